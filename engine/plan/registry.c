@@ -364,6 +364,21 @@ void* wisp_next_object( const wisp_objects* objects, int* place )
     return object;
 }
 
+bool wisp_next_entity( const wisp_registry* registry, wisp_component component, wisp_entity* entity )
+{
+    const store* s = registry->store;
+    for ( int slot = (int)entity->index; slot < s->entity_count; ++slot )
+    {
+        const store_entity* e = s->entities + slot;
+        if ( store_mask_has( &e->components, component ) && store_mask_has( &e->derived, component ) == false )
+        {
+            *entity = store_handle( s, slot );
+            return true;
+        }
+    }
+    return false;
+}
+
 static size_t object_bytes( const wisp_objects* o )
 {
     size_t bytes = (size_t)o->count * sizeof( *o->places );

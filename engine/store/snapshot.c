@@ -143,12 +143,12 @@ static int last_of( const snapshot_entity* in, const wisp_index_range* r, const 
     {
         return in->e->rows[r->table].count - ( r->kind == WISP_INDEX_ROW ? 1 : 0 );
     }
-    if ( r->kind == WISP_INDEX_SLOT )
+    if ( r->kind == WISP_INDEX_TRIANGLE )
     {
         bool is_null;
         const char* handle = r->surface != 0 ? find_column( in, r->surface, 0 ) : row;
         const store_entity* surface = find_surface( in->s, handle, &is_null );
-        return surface != NULL ? surface->rows[WISP_TABLE_PARTICLE].count - 1 : is_null ? INT32_MAX : -1;
+        return surface != NULL ? surface->rows[WISP_TABLE_TRIANGLE].count - 1 : is_null ? INT32_MAX : -1;
     }
     return r->highest;
 }

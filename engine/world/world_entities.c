@@ -129,11 +129,6 @@ wisp_status world_stale( wisp_world* world, wisp_entity entity )
                             entity.index, entity.generation );
 }
 
-wisp_status wisp_world_add_empty( wisp_world* world, wisp_entity* out )
-{
-    return wisp_world_add_pairs( world, 0, out );
-}
-
 wisp_status wisp_world_add_pairs( wisp_world* world, int pair_count, wisp_entity* out )
 {
     const int rows[WISP_TABLE_COUNT] = { [WISP_TABLE_ENTITY] = 1, [WISP_TABLE_PAIR] = pair_count };
@@ -242,21 +237,38 @@ bool wisp_world_has( const wisp_world* world, wisp_entity entity, wisp_component
 wisp_status wisp_world_set_components( wisp_world* world, wisp_entity entity, const wisp_component_use* all,
                                        int count )
 {
-    const store_entity* e = store_find( &world->store, entity );
-    const store_mask had = store_mask_and_not( e->components, e->derived );
+    store_entity* e = store_find( &world->store, entity );
+    const store_mask had = e->components, derived = e->derived, requests = e->requests;
     wisp_status status = WISP_OK;
     for ( int i = 0; i < count && status == WISP_OK; ++i )
     {
-        status = all[i].is_used ? wisp_world_attach( world, entity, all[i].component ) : WISP_OK;
+        status = ( all[i].use & WISP_USED ) != 0 ? wisp_world_attach( world, entity, all[i].component ) : WISP_OK;
+        status = status == WISP_OK && ( all[i].use & WISP_REQUESTED ) != 0
+                     ? wisp_world_request( world, entity, all[i].component, true )
+                     : status;
     }
     for ( int i = 0; i < count; ++i )
     {
-        if ( status == WISP_OK ? all[i].is_used == false : store_mask_has( &had, all[i].component ) == false )
+        if ( status == WISP_OK ? all[i].use == 0 : store_mask_has( &had, all[i].component ) == false )
         {
             (void)wisp_world_detach( world, entity, all[i].component ); // only frees memory
         }
     }
+    e->derived = status == WISP_OK ? e->derived : derived;
+    e->requests = status == WISP_OK ? e->requests : requests;
     return status;
+}
+
+wisp_status wisp_world_set_row( wisp_world* world, wisp_entity entity, wisp_component component, const void* row,
+                                size_t size )
+{
+    if ( row == NULL )
+    {
+        return wisp_world_detach( world, entity, component );
+    }
+    WISP_TRY( wisp_world_attach( world, entity, component ) );
+    memcpy( wisp_world_column( world, entity, component, 0 ), row, size );
+    return WISP_OK;
 }
 
 void* wisp_world_column( wisp_world* world, wisp_entity entity, wisp_component component, int column )
@@ -331,9 +343,10 @@ const char* wisp_world_component_name( const wisp_world* world, wisp_component c
 
 // ---- requests and views ----
 
-static wisp_status check_component( wisp_world* world, wisp_entity entity, wisp_component component )
+wisp_status wisp_world_request( wisp_world* world, wisp_entity entity, wisp_component component, bool is_requested )
 {
-    if ( store_find( &world->store, entity ) == NULL )
+    store_entity* e = store_find( &world->store, entity );
+    if ( e == NULL )
     {
         return world_stale( world, entity );
     }
@@ -342,14 +355,18 @@ static wisp_status check_component( wisp_world* world, wisp_entity entity, wisp_
         return wisp_world_fail( world, WISP_CONFLICT, "component %u: not declared in this world",
                                 (unsigned)component );
     }
-    return WISP_OK;
-}
-
-wisp_status wisp_world_request( wisp_world* world, wisp_entity entity, wisp_component component )
-{
-    WISP_TRY( check_component( world, entity, component ) );
-    store_entity* e = store_find( &world->store, entity );
-    bool had = store_mask_has( &e->components, component );
+    const bool was_requested = store_mask_has( &e->requests, component );
+    world->store.structure += is_requested != was_requested ? 1 : 0;
+    if ( is_requested == false )
+    {
+        store_mask_remove( &e->requests, component );
+        if ( was_requested && store_mask_has( &e->derived, component ) )
+        {
+            store_detach( &world->store, entity, component );
+        }
+        return WISP_OK;
+    }
+    const bool had = store_mask_has( &e->components, component );
     if ( store_attach( &world->store, entity, component ) == false )
     {
         return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for the rows of '%s'",
@@ -359,7 +376,6 @@ wisp_status wisp_world_request( wisp_world* world, wisp_entity entity, wisp_comp
     {
         store_mask_add( &e->derived, component );
     }
-    world->store.structure += store_mask_has( &e->requests, component ) ? 0 : 1;
     store_mask_add( &e->requests, component );
     return WISP_OK;
 }
@@ -367,30 +383,13 @@ wisp_status wisp_world_request( wisp_world* world, wisp_entity entity, wisp_comp
 wisp_status wisp_request( wisp_world* world, wisp_entity entity, wisp_component component )
 {
     WISP_TRY( wisp_world_check_entity( world, entity ) );
-    return wisp_world_request( world, entity, component );
-}
-
-wisp_status wisp_world_cancel_request( wisp_world* world, wisp_entity entity, wisp_component component )
-{
-    WISP_TRY( check_component( world, entity, component ) );
-    store_entity* e = store_find( &world->store, entity );
-    if ( store_mask_has( &e->requests, component ) == false )
-    {
-        return WISP_OK;
-    }
-    store_mask_remove( &e->requests, component );
-    world->store.structure += 1;
-    if ( store_mask_has( &e->derived, component ) )
-    {
-        store_detach( &world->store, entity, component );
-    }
-    return WISP_OK;
+    return wisp_world_request( world, entity, component, true );
 }
 
 wisp_status wisp_cancel_request( wisp_world* world, wisp_entity entity, wisp_component component )
 {
     WISP_TRY( wisp_world_check_entity( world, entity ) );
-    return wisp_world_cancel_request( world, entity, component );
+    return wisp_world_request( world, entity, component, false );
 }
 
 static wisp_status user_rows( const wisp_world* world, wisp_entity entity, wisp_component component, wisp_view* out,

@@ -89,14 +89,8 @@ wisp_status wisp_set_max_speed( wisp_world* world, wisp_entity entity, float spe
         return wisp_world_fail( world, WISP_BAD_INPUT, "max_speed: got %g m/s, expected a number above 0",
                                 (double)speed );
     }
-    const bool is_limited = speed < INFINITY;
-    WISP_TRY( is_limited ? wisp_world_attach( world, entity, WISP_PARTICLE_MAX_SPEED )
-                         : wisp_world_detach( world, entity, WISP_PARTICLE_MAX_SPEED ) );
-    if ( is_limited )
-    {
-        *(float*)wisp_world_column( world, entity, WISP_PARTICLE_MAX_SPEED, 0 ) = speed;
-    }
-    return WISP_OK;
+    return wisp_world_set_row( world, entity, WISP_PARTICLE_MAX_SPEED, speed < INFINITY ? &speed : NULL,
+                               sizeof( speed ) );
 }
 
 // ---- origins ----

@@ -556,25 +556,15 @@ static wisp_status check_sleep( wisp_world* world, wisp_entity entity )
                                     "sleep: entity %u is neither a surface nor strands that move", entity.index );
 }
 
-static void stop_sleep( wisp_world* world, wisp_entity entity )
-{
-    const passes_sleep_components* c = &world->sleep.components;
-    const wisp_component all[] = { c->moved, c->particles, c->strands, c->state };
-    wisp_world_cancel_request( world, entity, c->moved );
-    for ( int i = 0; i < WISP_COUNT( all ); ++i )
-    {
-        wisp_world_detach( world, entity, all[i] );
-    }
-    store_find( &world->store, entity )->sleep = STORE_AWAKE;
-}
-
-static wisp_status start_sleep( wisp_world* world, wisp_entity entity )
+static wisp_status set_components( wisp_world* world, wisp_entity entity, bool sleeps )
 {
     const passes_sleep_components* c = &world->sleep.components;
     const bool is_surface = wisp_world_fabric( world, entity ) != NULL;
-    wisp_status status = wisp_world_attach( world, entity, is_surface ? c->particles : c->strands );
-    status = status == WISP_OK ? wisp_world_attach( world, entity, c->state ) : status;
-    return status == WISP_OK ? wisp_world_request( world, entity, c->moved ) : status;
+    const wisp_component_use all[] = { { c->particles, sleeps && is_surface },
+                                       { c->strands, sleeps && is_surface == false },
+                                       { c->state, sleeps },
+                                       { c->moved, sleeps ? WISP_REQUESTED : 0 } };
+    return wisp_world_set_components( world, entity, all, WISP_COUNT( all ) );
 }
 
 // The first step is measured from where the entity is now.
@@ -595,26 +585,18 @@ wisp_status wisp_set_sleep( wisp_world* world, wisp_entity entity, const wisp_sl
     wisp_sleep_def def;
     WISP_TRY( wisp_world_begin_def( world, &entity, &wisp_sleep_def_fields, &def, given ) );
     WISP_TRY( check_sleep( world, entity ) );
+    const bool is_new = wisp_world_has( world, entity, world->sleep.components.state ) == false;
+    WISP_TRY( set_components( world, entity, def.enabled ) );
+    store_entity* e = store_find( &world->store, entity );
     if ( def.enabled == false )
     {
-        stop_sleep( world, entity );
+        e->sleep = STORE_AWAKE;
         return WISP_OK;
-    }
-    const bool is_new = wisp_world_has( world, entity, world->sleep.components.state ) == false;
-    const wisp_status status = start_sleep( world, entity );
-    if ( status != WISP_OK )
-    {
-        if ( is_new )
-        {
-            stop_sleep( world, entity );
-        }
-        return status;
     }
     if ( is_new )
     {
         keep_positions( world, entity );
     }
-    store_entity* e = store_find( &world->store, entity );
     passes_sleep* state = sleep_state_of( world, e );
     state->max_speed = def.max_speed;
     state->seconds = def.seconds;

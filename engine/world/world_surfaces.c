@@ -4,6 +4,7 @@
 #include "alloc.h"
 #include "fabric_parts.h"
 
+#include "wisp/module/anchor.h"
 #include "wisp/module/components.h"
 #include "wisp/module/vec.h"
 #include <math.h>
@@ -525,6 +526,8 @@ void wisp_world_restart_levels( wisp_world* world, wisp_entity surface )
 static wisp_status set_pinned( wisp_world* world, wisp_entity surface, const int32_t* vertices, int count,
                                bool pinned )
 {
+    WISP_TRY( wisp_world_check_entity( world, surface ) );
+    WISP_TRY( wisp_world_check_list( world, "vertices", vertices, count ) );
     store_entity* e;
     WISP_TRY( world_find_surface( world, surface, &e ) );
     WISP_TRY( check_vertices( world, e->fabric, vertices, count ) );
@@ -551,15 +554,11 @@ static wisp_status set_pinned( wisp_world* world, wisp_entity surface, const int
 
 wisp_status wisp_pin( wisp_world* world, wisp_entity surface, const int32_t* vertices, int count )
 {
-    WISP_TRY( wisp_world_check_entity( world, surface ) );
-    WISP_TRY( wisp_world_check_list( world, "vertices", vertices, count ) );
     return set_pinned( world, surface, vertices, count, true );
 }
 
 wisp_status wisp_unpin( wisp_world* world, wisp_entity surface, const int32_t* vertices, int count )
 {
-    WISP_TRY( wisp_world_check_entity( world, surface ) );
-    WISP_TRY( wisp_world_check_list( world, "vertices", vertices, count ) );
     return set_pinned( world, surface, vertices, count, false );
 }
 
@@ -604,26 +603,21 @@ wisp_status wisp_move_pins( wisp_world* world, wisp_entity surface, const int32_
 
 // ---- properties of all effects ----
 
-// Attach the component if the value is not the neutral one, else detach it: no value, no pass.
-static wisp_status set_component( wisp_world* world, wisp_entity surface, wisp_component component, bool requested )
+// Give a surface a value, or null where that is the neutral one: no value, no pass.
+static wisp_status set_value( wisp_world* world, wisp_entity surface, wisp_component component, const void* value,
+                              size_t size )
 {
     store_entity* e;
     WISP_TRY( world_find_surface( world, surface, &e ) );
-    return requested ? wisp_world_attach( world, surface, component )
-                     : wisp_world_detach( world, surface, component );
+    return wisp_world_set_row( world, surface, component, value, size );
 }
 
 wisp_status wisp_set_gravity( wisp_world* world, wisp_entity surface, wisp_vec3 gravity )
 {
     WISP_TRY( wisp_world_check_entity( world, surface ) );
     WISP_TRY( wisp_world_check_values( world, &wisp_surface_def_fields, "gravity", &gravity, 1, NULL ) );
-    wisp_status status = set_component( world, surface, WISP_PARTICLE_GRAVITY, wisp_v3_length( gravity ) > 0.0f );
-    wisp_vec3* column = wisp_world_column( world, surface, WISP_PARTICLE_GRAVITY, 0 );
-    if ( status == WISP_OK && column != NULL )
-    {
-        *column = gravity;
-    }
-    return status;
+    return set_value( world, surface, WISP_PARTICLE_GRAVITY, wisp_v3_length( gravity ) > 0.0f ? &gravity : NULL,
+                      sizeof( gravity ) );
 }
 
 wisp_status wisp_set_damping( wisp_world* world, wisp_entity surface, float rate )
@@ -633,13 +627,7 @@ wisp_status wisp_set_damping( wisp_world* world, wisp_entity surface, float rate
     {
         return wisp_world_fail( world, WISP_BAD_INPUT, "damping: got %g 1/s, expected 0 to 1e9", (double)rate );
     }
-    wisp_status status = set_component( world, surface, WISP_PARTICLE_DAMPING, rate > 0.0f );
-    float* column = wisp_world_column( world, surface, WISP_PARTICLE_DAMPING, 0 );
-    if ( status == WISP_OK && column != NULL )
-    {
-        *column = rate;
-    }
-    return status;
+    return set_value( world, surface, WISP_PARTICLE_DAMPING, rate > 0.0f ? &rate : NULL, sizeof( rate ) );
 }
 
 wisp_status wisp_set_strain_limit( wisp_world* world, wisp_entity surface, float minimum, float maximum )
@@ -658,14 +646,13 @@ wisp_status wisp_set_strain_limit( wisp_world* world, wisp_entity surface, float
                                 "entity %u: has an external solver, which does not support strain limits",
                                 surface.index );
     }
-    wisp_status status = set_component( world, surface, WISP_LINK_LIMIT, requested );
-    float* column = wisp_world_column( world, surface, WISP_LINK_LIMIT, 0 );
-    if ( status == WISP_OK && column != NULL )
+    WISP_TRY( set_value( world, surface, WISP_LINK_LIMIT, requested ? &minimum : NULL, sizeof( minimum ) ) );
+    float* column = wisp_world_column( world, surface, WISP_LINK_LIMIT, 1 );
+    if ( column != NULL )
     {
-        *column = minimum;
-        *(float*)wisp_world_column( world, surface, WISP_LINK_LIMIT, 1 ) = maximum;
+        *column = maximum;
     }
-    return status;
+    return WISP_OK;
 }
 
 // ---- reading ----
@@ -714,6 +701,35 @@ wisp_status wisp_world_need_fabric( wisp_world* world, wisp_entity surface, unsi
                ? WISP_OK
                : wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for the topology of entity %u",
                                   surface.index );
+}
+
+wisp_status wisp_world_build_mesh( wisp_world* world, wisp_entity surface, wisp_collision_mesh** out )
+{
+    const store_entity* e = store_find( &world->store, surface );
+    const wisp_fabric* f = e->fabric;
+    if ( f == NULL || f->triangle_count == 0 )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "entity %u is not a surface with triangles", surface.index );
+    }
+    const float* position = store_column( &world->store, e, WISP_PARTICLE_POSITION, 0 );
+    const size_t bytes = (size_t)f->slot_count * sizeof( wisp_vec3 );
+    wisp_vec3* points = base_allocate( &world->allocator, bytes, BASE_BUFFER_ALIGNMENT );
+    for ( int slot = 0; points != NULL && slot < f->slot_count; ++slot )
+    {
+        points[slot] = wisp_v3_load( position + (size_t)slot * 4 );
+    }
+    // a mesh that deforms needs no Embree
+    const wisp_collision_mesh_def def = { .points = points,
+                                          .triangles = f->triangles,
+                                          .point_count = f->slot_count,
+                                          .triangle_count = f->triangle_count,
+                                          .deforms = true };
+    wisp_error error = { .message = "out of memory" };
+    const wisp_status status =
+        points != NULL ? wisp_collision_mesh_create( &def, &world->allocator, out, &error ) : WISP_NO_MEMORY;
+    base_release( &world->allocator, points, bytes );
+    return status == WISP_OK ? WISP_OK
+                             : wisp_world_fail( world, status, "entity %u: %s", surface.index, error.message );
 }
 
 // ---- lengths at rest ----

@@ -6,72 +6,35 @@
 // of the pin when it was attached. A triangle without area has no rotation: its pins keep their targets.
 #include "attachments_state.h"
 
-#include "wisp/module/collision_mesh.h"
-#include "wisp/module/vec.h"
+#include "wisp/module/sleep.h"
 
-#include <math.h>
-#include <string.h>
-
-typedef struct corners
-{
-    wisp_vec3 at[3];
-} corners;
-
-typedef struct axes
-{
-    wisp_vec3 x, y, z;
-} axes;
+static const wisp_column_def PLACE_COLUMNS[] = { WISP_COLUMN( attachments_place, place, 1 ) };
 
 static bool is_in_range( wisp_vec3 p )
 {
     return fabsf( p.x ) <= 1e6f && fabsf( p.y ) <= 1e6f && fabsf( p.z ) <= 1e6f; // false for NaN
 }
 
-// @return false for a triangle without area
-static bool find_axes( const corners* t, axes* out )
-{
-    const wisp_vec3 edge = wisp_v3_mul_add( t->at[1], -1.0f, t->at[0] );
-    const wisp_vec3 normal = wisp_v3_cross( edge, wisp_v3_mul_add( t->at[2], -1.0f, t->at[0] ) );
-    const float length = sqrtf( wisp_v3_dot( edge, edge ) ), area = sqrtf( wisp_v3_dot( normal, normal ) );
-    if ( !( length > 0.0f && area > 0.0f ) )
-    {
-        return false;
-    }
-    const wisp_vec3 none = { 0.0f, 0.0f, 0.0f };
-    out->x = wisp_v3_mul_add( none, 1.0f / length, edge );
-    out->z = wisp_v3_mul_add( none, 1.0f / area, normal );
-    out->y = wisp_v3_cross( out->z, out->x );
-    return true;
-}
-
-static wisp_vec3 point_of( const corners* t, const float weights[3] )
-{
-    wisp_vec3 p = { 0.0f, 0.0f, 0.0f };
-    for ( int k = 0; k < 3; ++k )
-    {
-        p = wisp_v3_mul_add( p, weights[k], t->at[k] );
-    }
-    return p;
-}
-
 // ---- the pass ----
 
-static void follow( const wisp_surface_motion* m, const attachments_place* place, float* target )
+static void follow( const wisp_surface_motion* m, const wisp_fabric* fabric, const attachments_place* place,
+                    float* target )
 {
-    corners t;
-    axes r;
+    const int32_t* slots = fabric->triangles + 3 * (size_t)place->at.triangle;
+    wisp_triangle t;
+    wisp_vec3 axes[3];
     for ( int k = 0; k < 3; ++k )
     {
-        t.at[k] = wisp_surface_motion_end( m, place->corner[k] );
+        t.corner[k] = wisp_surface_motion_end( m, slots[k] );
     }
-    if ( find_axes( &t, &r ) == false )
+    if ( wisp_triangle_axes( &t, axes ) == false )
     {
         return;
     }
-    wisp_vec3 p = point_of( &t, place->weights );
-    p = wisp_v3_mul_add( p, place->offset.x, r.x );
-    p = wisp_v3_mul_add( p, place->offset.y, r.y );
-    p = wisp_v3_mul_add( p, place->offset.z, r.z );
+    wisp_vec3 p = wisp_triangle_point( &t, place->at.weights );
+    p = wisp_v3_mul_add( p, place->offset.x, axes[0] );
+    p = wisp_v3_mul_add( p, place->offset.y, axes[1] );
+    p = wisp_v3_mul_add( p, place->offset.z, axes[2] );
     if ( is_in_range( p ) )
     {
         target[0] = p.x;
@@ -81,7 +44,7 @@ static void follow( const wisp_surface_motion* m, const attachments_place* place
     }
 }
 
-void attachments_follow( wisp_frame* frame, const wisp_span* span, void* user )
+static void follow_all( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const attachments_state* state = user;
     const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
@@ -107,7 +70,7 @@ void attachments_follow( wisp_frame* frame, const wisp_span* span, void* user )
             of = place[slot].to;
             m = wisp_frame_surface_motion( frame, of, seconds );
         }
-        follow( &m, place + slot, target + (size_t)slot * 4 );
+        follow( &m, wisp_frame_fabric( frame, of ), place + slot, target + (size_t)slot * 4 );
     }
 }
 
@@ -129,10 +92,10 @@ static bool has_attached_pins( const attachments_state* state, wisp_world* world
 
 static bool is_attached_to( const attachments_state* state, wisp_world* world, wisp_entity to )
 {
-    for ( int i = 0; i < state->count; ++i )
+    for ( wisp_entity e = { 0, 0 }; wisp_next_entity( state->registry, state->place, &e ); )
     {
-        const attachments_place* place = wisp_world_column( world, state->surfaces[i], state->place, 0 );
-        const int slots = wisp_world_fabric( world, state->surfaces[i] )->slot_count;
+        const attachments_place* place = wisp_world_column( world, e, state->place, 0 );
+        const int slots = wisp_world_fabric( world, e )->slot_count;
         for ( int slot = 0; slot < slots; ++slot )
         {
             if ( wisp_entity_equal( place[slot].to, to ) )
@@ -160,15 +123,9 @@ static wisp_status check_vertices( wisp_world* world, const wisp_fabric* fabric,
 static wisp_status check_pair( wisp_world* world, const attachments_state* state, wisp_entity surface,
                                wisp_entity to )
 {
-    const wisp_fabric* fabric = wisp_world_fabric( world, to );
     if ( wisp_entity_equal( surface, to ) )
     {
         return wisp_world_fail( world, WISP_CONFLICT, "attachments: entity %u cannot be attached to itself",
-                                to.index );
-    }
-    if ( fabric == NULL || fabric->triangle_count == 0 )
-    {
-        return wisp_world_fail( world, WISP_CONFLICT, "attachments: entity %u is not a surface with triangles",
                                 to.index );
     }
     if ( has_attached_pins( state, world, to ) )
@@ -183,51 +140,6 @@ static wisp_status check_pair( wisp_world* world, const attachments_state* state
     return WISP_OK;
 }
 
-// Find the place of a pin against the triangle that is closest to it.
-static void set_place( const wisp_fabric* fabric, const float* particles, const wisp_mesh_nearest* nearest,
-                       wisp_vec3 pin, attachments_place* place )
-{
-    corners t;
-    axes r;
-    for ( int k = 0; k < 3; ++k )
-    {
-        place->corner[k] = fabric->triangles[3 * (size_t)nearest->triangle + (size_t)k];
-        place->weights[k] = nearest->weights[k];
-        t.at[k] = wisp_v3_load( particles + (size_t)place->corner[k] * 4 );
-    }
-    const wisp_vec3 away = wisp_v3_mul_add( pin, -1.0f, point_of( &t, place->weights ) );
-    place->offset = find_axes( &t, &r ) ? ( wisp_vec3 ){ wisp_v3_dot( away, r.x ), wisp_v3_dot( away, r.y ),
-                                                         wisp_v3_dot( away, r.z ) }
-                                        : away;
-}
-
-// Build the mesh of a surface as it is, for queries.
-static wisp_status build_mesh( wisp_world* world, const wisp_fabric* fabric, const float* particles,
-                               wisp_collision_mesh** mesh )
-{
-    const wisp_allocator* allocator = wisp_world_allocator( world );
-    const size_t bytes = (size_t)fabric->slot_count * sizeof( wisp_vec3 );
-    wisp_vec3* points = allocator->allocate( allocator->user, bytes, sizeof( float ) );
-    if ( points == NULL )
-    {
-        return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory to attach pins" );
-    }
-    for ( int slot = 0; slot < fabric->slot_count; ++slot )
-    {
-        points[slot] = wisp_v3_load( particles + (size_t)slot * 4 );
-    }
-    // a mesh that deforms needs no Embree
-    const wisp_collision_mesh_def def = { .points = points,
-                                          .triangles = fabric->triangles,
-                                          .point_count = fabric->slot_count,
-                                          .triangle_count = fabric->triangle_count,
-                                          .deforms = true };
-    wisp_error error = { 0 };
-    const wisp_status status = wisp_collision_mesh_create( &def, allocator, mesh, &error );
-    allocator->release( allocator->user, points, bytes );
-    return status == WISP_OK ? WISP_OK : wisp_world_fail( world, status, "attachments: %s", error.message );
-}
-
 static void attach_all( wisp_world* world, wisp_entity surface, const int32_t* vertices, int count, wisp_entity to,
                         wisp_collision_mesh* mesh, attachments_place* place )
 {
@@ -237,41 +149,19 @@ static void attach_all( wisp_world* world, wisp_entity surface, const int32_t* v
     for ( int i = 0; i < count; ++i )
     {
         const int slot = mine->vertex_slot[vertices[i]];
-        const wisp_mesh_query query = { .point = wisp_v3_load( position + (size_t)slot * 4 ), .radius = INFINITY };
-        wisp_mesh_nearest nearest;
-        wisp_collision_mesh_closest( mesh, &query, 1, &nearest, NULL );
-        if ( nearest.triangle >= 0 )
+        const wisp_vec3 pin = wisp_v3_load( position + (size_t)slot * 4 );
+        const wisp_anchor at = wisp_find_anchor( mesh, pin );
+        if ( at.triangle >= 0 )
         {
-            place[slot].to = to;
-            set_place( theirs, particles, &nearest, query.point, place + slot );
+            wisp_vec3 r[3];
+            const wisp_triangle t = wisp_triangle_of( theirs, particles, at.triangle );
+            const wisp_vec3 away = wisp_v3_sub( pin, wisp_triangle_point( &t, at.weights ) );
+            const bool is_framed = wisp_triangle_axes( &t, r );
+            const wisp_vec3 inside = { wisp_v3_dot( away, r[0] ), wisp_v3_dot( away, r[1] ),
+                                       wisp_v3_dot( away, r[2] ) };
+            place[slot] = ( attachments_place ){ to, at, is_framed ? inside : away };
         }
     }
-}
-
-// Pin vertices of a surface that has the component and a row in the list. @return WISP_NO_MEMORY nothing changed
-static wisp_status pin( wisp_world* world, attachments_state* state, wisp_entity surface, const int32_t* vertices,
-                        int count )
-{
-    const bool is_new = wisp_world_has( world, surface, state->place ) == false,
-               has_targets = wisp_world_has( world, surface, WISP_PARTICLE_TARGET );
-    if ( is_new && wisp_world_reserve( world, (void**)&state->surfaces, &state->capacity, state->count,
-                                       sizeof( wisp_entity ) ) == false )
-    {
-        return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory to attach pins" );
-    }
-    wisp_status status = wisp_world_attach( world, surface, WISP_PARTICLE_TARGET );
-    status = status == WISP_OK ? wisp_world_attach( world, surface, state->place ) : status;
-    status = status == WISP_OK ? wisp_pin( world, surface, vertices, count ) : status;
-    if ( status != WISP_OK )
-    {
-        (void)( is_new ? wisp_world_detach( world, surface, state->place ) : WISP_OK );
-        (void)( has_targets ? WISP_OK : wisp_world_detach( world, surface, WISP_PARTICLE_TARGET ) );
-    }
-    else if ( is_new )
-    {
-        state->surfaces[state->count++] = surface;
-    }
-    return status;
 }
 
 static wisp_status begin( wisp_world* world, wisp_entity surface, const int32_t* vertices, int count,
@@ -294,10 +184,11 @@ wisp_status wisp_attach_pins( wisp_world* world, wisp_entity surface, const int3
     WISP_TRY( check_pair( world, state, surface, to ) );
     wisp_world_tie( world, to, surface );
     wisp_collision_mesh* mesh;
-    WISP_TRY( build_mesh( world, wisp_world_fabric( world, to ),
-                          wisp_world_column( world, to, WISP_PARTICLE_POSITION, 0 ), &mesh ) );
-    wisp_status status = pin( world, state, surface, vertices, count );
-    status = status == WISP_OK ? wisp_world_request( world, to, WISP_PARTICLE_POSITION ) : status; // has it
+    WISP_TRY( wisp_world_build_mesh( world, to, &mesh ) );
+    const wisp_component_use uses[] = { { WISP_PARTICLE_TARGET, true }, { state->place, true } };
+    wisp_status status = wisp_world_set_components( world, surface, uses, WISP_COUNT( uses ) );
+    status = status == WISP_OK ? wisp_pin( world, surface, vertices, count ) : status;
+    status = status == WISP_OK ? wisp_world_request( world, to, WISP_PARTICLE_POSITION, true ) : status; // has it
     if ( status == WISP_OK )
     {
         attach_all( world, surface, vertices, count, to, mesh, wisp_world_column( world, surface, state->place, 0 ) );
@@ -319,12 +210,16 @@ wisp_status wisp_detach_pins( wisp_world* world, wisp_entity surface, const int3
     return WISP_OK;
 }
 
-void attachments_forget( attachments_state* state, wisp_world* world, wisp_entity to )
+// ---- module ----
+
+// Detach all pins that are attached to a surface.
+static void entity_removed( void* memory, wisp_world* world, wisp_entity to )
 {
-    for ( int i = 0; i < state->count; ++i )
+    const attachments_state* state = memory;
+    for ( wisp_entity e = { 0, 0 }; wisp_next_entity( state->registry, state->place, &e ); )
     {
-        attachments_place* place = wisp_world_column( world, state->surfaces[i], state->place, 0 );
-        const int slots = wisp_world_fabric( world, state->surfaces[i] )->slot_count;
+        attachments_place* place = wisp_world_column( world, e, state->place, 0 );
+        const int slots = wisp_world_fabric( world, e )->slot_count;
         for ( int slot = 0; slot < slots; ++slot )
         {
             if ( wisp_entity_equal( place[slot].to, to ) )
@@ -335,35 +230,54 @@ void attachments_forget( attachments_state* state, wisp_world* world, wisp_entit
     }
 }
 
-static void follow_triangle( attachments_place* place, int slot_count, wisp_entity to, const int32_t* before,
-                             const int32_t* now )
+// As wisp_sleep_hooks.surroundings: pins go along with surfaces that must sleep themselves.
+static bool find_surroundings( const void* memory, wisp_world* world, wisp_entity entity,
+                               const wisp_sleep_bounds* bounds, uint64_t* hash )
 {
-    for ( int slot = 0; slot < slot_count; ++slot )
+    (void)bounds;
+    (void)hash;
+    const attachments_state* state = memory;
+    const attachments_place* place = wisp_world_rows( world, entity, state->place, 0 );
+    const int count = place != NULL ? wisp_world_fabric( world, entity )->slot_count : 0;
+    bool rests = true;
+    for ( int slot = 0; slot < count && rests; ++slot )
     {
-        if ( wisp_entity_equal( place[slot].to, to ) &&
-             memcmp( place[slot].corner, before, sizeof( place[slot].corner ) ) == 0 )
-        {
-            memcpy( place[slot].corner, now, sizeof( place[slot].corner ) );
-        }
+        const wisp_entity to = place[slot].to;
+        rests = to.index == 0 || wisp_is_asleep( world, to ) || wisp_is_halted( world, to );
     }
+    return rests;
 }
 
-// A new vertex is in no triangle of before, so no place is taken twice.
-void attachments_follow_triangles( const attachments_state* state, wisp_world* world, wisp_entity to,
-                                   const wisp_fabric* before )
+static wisp_status declare( wisp_registry* r )
 {
-    const int32_t *now = wisp_world_fabric( world, to )->triangles, *then = before->triangles;
-    for ( int i = 0; i < state->count; ++i )
+    attachments_state* state = wisp_declare_state( r, sizeof( attachments_state ) );
+    if ( state == NULL )
     {
-        attachments_place* place = wisp_world_column( world, state->surfaces[i], state->place, 0 );
-        const int slots = wisp_world_fabric( world, state->surfaces[i] )->slot_count;
-        for ( int t = 0; t < before->triangle_count && place != NULL; ++t )
-        {
-            const size_t first = 3 * (size_t)t;
-            if ( memcmp( now + first, then + first, 3 * sizeof( int32_t ) ) != 0 )
-            {
-                follow_triangle( place, slots, to, then + first, now + first );
-            }
-        }
+        return WISP_NO_MEMORY;
     }
+    state->registry = r;
+    wisp_declare_hooks(
+        r, &( wisp_state_hooks ){ .removed = entity_removed,
+                                  .sleep = &( wisp_sleep_hooks ){ .surroundings = find_surroundings } } );
+    state->place = WISP_COMPONENT( r, "attachments.place", WISP_TABLE_PARTICLE, PLACE_COLUMNS );
+    const wisp_index_range ranges[] = {
+        { .component = state->place, .kind = WISP_INDEX_SURFACE },
+        { .component = state->place,
+          .offset = offsetof( attachments_place, at ),
+          .count = 1,
+          .kind = WISP_INDEX_TRIANGLE },
+    };
+    WISP_TRY( wisp_declare_indices( r, ranges, WISP_COUNT( ranges ) ) );
+    const wisp_pass passes[] = {
+        {
+            WISP_PASS( "attachments.follow", INPUT, ENTITY, follow_all ),
+            .required = { state->place },
+            .reads = { state->place, WISP_PARTICLE_POSITION },
+            .writes = { WISP_PARTICLE_TARGET },
+            .detail = WISP_PASS_WITHOUT_MOTION,
+        },
+    };
+    return state->place != 0 ? wisp_declare_passes( r, passes, WISP_COUNT( passes ), state ) : WISP_BAD_INPUT;
 }
+
+const wisp_module wisp_attachments_module = { .name = "attachments", .declare = declare };

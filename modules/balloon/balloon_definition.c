@@ -214,21 +214,11 @@ static void fill( wisp_world* world, wisp_entity surface, const wisp_balloon_def
         .gas_density = density_of( d, d->gas_molar_mass ),
         .air_density = density_of( d, d->air_molar_mass ),
     };
-    *(balloon_skin*)wisp_world_column( world, surface, s->skin, 0 ) =
-        ( balloon_skin ){ d->edge_stiffness, d->bend_link_stiffness };
-    *(float*)wisp_world_column( world, surface, s->volume, 0 ) =
-        d->volume == WISP_SOLVER_PBD ? d->volume_stiffness : -1.0f;
-    float* rate = wisp_world_column( world, surface, s->inflation, 0 );
-    if ( rate != NULL )
-    {
-        *rate = d->inflation_rate;
-    }
-    balloon_air* air = wisp_world_column( world, surface, s->air, 0 );
-    if ( air != NULL )
-    {
-        double half = 0.5 * density_of( d, d->air_molar_mass ) * (double)d->drag_coefficient;
-        *air = ( balloon_air ){ (float)half };
-    }
+    WISP_FILL( world, surface, s->skin, balloon_skin, d->edge_stiffness, d->bend_link_stiffness );
+    WISP_FILL( world, surface, s->volume, float, d->volume == WISP_SOLVER_PBD ? d->volume_stiffness : -1.0f );
+    WISP_FILL( world, surface, s->inflation, float, d->inflation_rate );
+    WISP_FILL( world, surface, s->air, balloon_air,
+               (float)( 0.5 * density_of( d, d->air_molar_mass ) * (double)d->drag_coefficient ) );
     balloon_outlet* outlet = wisp_world_column( world, surface, s->outlet, 0 );
     if ( outlet != NULL )
     {

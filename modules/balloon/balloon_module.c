@@ -191,13 +191,7 @@ wisp_status wisp_set_balloon_inflation( wisp_world* world, wisp_entity balloon, 
     const balloon_state* state;
     WISP_TRY( find_balloon( world, balloon, &state ) );
     WISP_TRY( wisp_world_check_values( world, &wisp_balloon_def_fields, "inflation_rate", &rate, 1, NULL ) );
-    if ( rate == 0.0f )
-    {
-        return wisp_world_detach( world, balloon, state->inflation );
-    }
-    WISP_TRY( wisp_world_attach( world, balloon, state->inflation ) );
-    *(float*)wisp_world_column( world, balloon, state->inflation, 0 ) = rate;
-    return WISP_OK;
+    return wisp_world_set_row( world, balloon, state->inflation, rate != 0.0f ? &rate : NULL, sizeof( rate ) );
 }
 
 wisp_status wisp_open_balloon( wisp_world* world, wisp_entity balloon, bool open )
@@ -217,8 +211,7 @@ wisp_status wisp_request_balloon_stats( wisp_world* world, wisp_entity balloon, 
 {
     const balloon_state* state;
     WISP_TRY( find_balloon( world, balloon, &state ) );
-    return requested ? wisp_world_request( world, balloon, state->stats )
-                     : wisp_world_cancel_request( world, balloon, state->stats );
+    return wisp_world_request( world, balloon, state->stats, requested );
 }
 
 wisp_status wisp_read_balloon_stats( wisp_world* world, wisp_entity balloon, wisp_balloon_stats* out )

@@ -159,49 +159,16 @@ static boundary_settings fill_settings( const wisp_boundary_def* d, float mean_l
 
 // ---- components ----
 
-enum
+// Points are always requested.
+static wisp_status set_components( wisp_world* world, wisp_entity surface, const boundary_state* s, bool is_there,
+                                   bool local )
 {
-    GIVEN_COUNT = 5,
-};
-
-static void list_components( const boundary_state* s, wisp_component out[GIVEN_COUNT] )
-{
-    const wisp_component all[GIVEN_COUNT] = { s->settings, s->normals, s->edges, s->triangles, s->local };
-    memcpy( out, all, sizeof( all ) );
-}
-
-static void undress( wisp_world* world, wisp_entity surface, const boundary_state* state )
-{
-    wisp_component given[GIVEN_COUNT];
-    list_components( state, given );
-    for ( int i = 0; i < GIVEN_COUNT; ++i )
-    {
-        (void)wisp_world_detach( world, surface, given[i] ); // only frees memory
-    }
-}
-
-// Attach rows first, because only that can fail, and detach them again on failure. Points are always requested.
-static wisp_status set_components( wisp_world* world, wisp_entity surface, const boundary_state* state, bool local )
-{
-    const bool had = wisp_world_has( world, surface, state->settings );
-    const bool was_local = wisp_world_has( world, surface, state->local );
-    wisp_component given[GIVEN_COUNT];
-    list_components( state, given );
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < GIVEN_COUNT && status == WISP_OK; ++i )
-    {
-        status = given[i] != state->local || local ? wisp_world_attach( world, surface, given[i] ) : WISP_OK;
-    }
-    status = status == WISP_OK ? wisp_world_request( world, surface, state->triangles ) : status;
-    if ( status != WISP_OK && had == false )
-    {
-        undress( world, surface, state );
-    }
-    else if ( status != WISP_OK ? was_local == false : local == false )
-    {
-        (void)wisp_world_detach( world, surface, state->local );
-    }
-    return status;
+    const wisp_component_use uses[] = {
+        { s->settings, is_there },       { s->normals, is_there },
+        { s->edges, is_there },          { s->triangles, is_there ? WISP_USED | WISP_REQUESTED : 0 },
+        { s->local, is_there && local },
+    };
+    return wisp_world_set_components( world, surface, uses, WISP_COUNT( uses ) );
 }
 
 // Discard counts that belong to another definition.
@@ -259,7 +226,7 @@ wisp_status wisp_set_boundary( wisp_world* world, wisp_entity surface, const wis
     wisp_status status = check_spacing( world, &settings, wisp_world_fabric( world, surface ) );
     status = status == WISP_OK ? provide_layer( world, surface, state, &layer ) : status;
     const bool had = wisp_find_object( state->layers, surface ) != NULL;
-    status = status == WISP_OK ? set_components( world, surface, state, local ) : status;
+    status = status == WISP_OK ? set_components( world, surface, state, true, local ) : status;
     if ( status != WISP_OK )
     {
         boundary_layer_release( had ? NULL : layer, wisp_world_allocator( world ) );
@@ -281,7 +248,7 @@ wisp_status wisp_unset_boundary( wisp_world* world, wisp_entity surface )
     WISP_TRY( wisp_world_check_entity( world, surface ) );
     boundary_state* state;
     WISP_TRY( find_state( world, surface, &state ) );
-    undress( world, surface, state );
+    WISP_TRY( set_components( world, surface, state, false, false ) );
     wisp_world_share_samples( world, surface, NULL );
     wisp_set_object( state->layers, surface, NULL );
     return WISP_OK;

@@ -361,27 +361,15 @@ static wisp_status set_components( wisp_world* world, wisp_entity surface, const
     return wisp_world_set_components( world, surface, all, WISP_COUNT( all ) );
 }
 
-static void set_float( wisp_world* world, wisp_entity surface, wisp_component component, float value )
-{
-    float* column = wisp_world_column( world, surface, component, 0 );
-    if ( column != NULL )
-    {
-        *column = value;
-    }
-}
-
 static void fill( wisp_world* world, wisp_entity surface, const wisp_cloth_def* d, const cloth_state* state )
 {
-    cloth_air* air = wisp_world_column( world, surface, state->air, 0 );
-    if ( air != NULL )
-    {
-        *air = ( cloth_air ){ d->wind, d->air_density, d->drag_coefficient, d->lift_coefficient };
-    }
-    set_float( world, surface, state->damping, d->internal_damping );
-    set_float( world, surface, state->bending, d->bend_rigidity );
-    set_float( world, surface, WISP_LINK_FOLDS, d->bend_rigidity );
-    set_float( world, surface, WISP_HINGE_FOLDS, d->bend_rigidity );
-    set_float( world, surface, WISP_SURFACE_TETHERS, d->tether_slack );
+    WISP_FILL( world, surface, state->air, cloth_air, d->wind, d->air_density, d->drag_coefficient,
+               d->lift_coefficient );
+    WISP_FILL( world, surface, state->damping, float, d->internal_damping );
+    WISP_FILL( world, surface, state->bending, float, d->bend_rigidity );
+    WISP_FILL( world, surface, WISP_LINK_FOLDS, float, d->bend_rigidity );
+    WISP_FILL( world, surface, WISP_HINGE_FOLDS, float, d->bend_rigidity );
+    WISP_FILL( world, surface, WISP_SURFACE_TETHERS, float, d->tether_slack );
     cloth_fill_links( world, surface, d );
     cloth_fill_levels( world, surface, d );
     if ( wisp_world_has( world, surface, WISP_HINGE_REST ) || wisp_world_has( world, surface, WISP_HINGE_COTANGENT ) )

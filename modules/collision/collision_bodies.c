@@ -282,7 +282,7 @@ static wisp_status give_motion( wisp_world* world, const collision_state* state,
     }
     const wisp_transform now = ( (collision_collider*)wisp_world_column( world, entity, state->collider, 0 ) )->to;
     WISP_TRY( wisp_world_attach( world, entity, state->motion ) );
-    WISP_TRY( wisp_world_request( world, entity, state->collider ) );
+    WISP_TRY( wisp_world_request( world, entity, state->collider, true ) );
     *(wisp_transform*)wisp_world_column( world, entity, state->motion, 0 ) = now;
     return WISP_OK;
 }
@@ -299,7 +299,7 @@ static wisp_status couple_body( wisp_world* world, collision_state* state, wisp_
     state->coupled_count += 1;
     WISP_TRY( give_motion( world, state, entity ) );
     WISP_TRY( wisp_world_attach( world, entity, state->coupled ) );
-    WISP_TRY( wisp_world_request( world, entity, state->coupled ) );
+    WISP_TRY( wisp_world_request( world, entity, state->coupled, true ) );
     const wisp_vec3 turns = { inverse_of( d->inertia.x ), inverse_of( d->inertia.y ), inverse_of( d->inertia.z ) };
     *(collision_coupled*)wisp_world_column( world, entity, state->coupled, 0 ) = ( collision_coupled ){
         .before = wisp_transform_make( d->pose.rotation, d->pose.translation ),
@@ -315,7 +315,7 @@ static wisp_status couple_body( wisp_world* world, collision_state* state, wisp_
 static wisp_status append_body( wisp_world* world, collision_state* state, const wisp_collider_def* d,
                                 collision_body* body )
 {
-    WISP_TRY( wisp_world_add_empty( world, &body->entity ) );
+    WISP_TRY( wisp_world_add_pairs( world, 0, &body->entity ) );
     const wisp_entity entity = body->entity;
     state->bodies[state->body_count] = *body;
     count_body( state, state->bodies + state->body_count++ );

@@ -19,7 +19,6 @@ static void release_state( void* memory, const wisp_allocator* allocator )
     collision_release_reactions( allocator, state );
     collision_release_near( state, allocator );
     wisp_release( allocator, state->bodies, (size_t)state->body_capacity * sizeof( collision_body ) );
-    wisp_release( allocator, state->participants, (size_t)state->participant_capacity * sizeof( wisp_entity ) );
 }
 
 // With the last body all participants lose their contacts, and the plan its passes. This only detaches, so it cannot
@@ -29,8 +28,7 @@ static void entity_removed( void* memory, wisp_world* world, wisp_entity entity 
     collision_state* state = memory;
     collision_forget_surface( state, entity );
     collision_body body;
-    if ( collision_forget_participant( state, entity ) == false &&
-         collision_forget_body( state, wisp_world_allocator( world ), entity, &body ) )
+    if ( collision_forget_body( state, wisp_world_allocator( world ), entity, &body ) )
     {
         collision_update_for( world, state, &body );
     }
@@ -75,9 +73,8 @@ static void tell_of_bodies( const void* memory, wisp_world* world )
         const collision_body* body = s->bodies + b;
         const collision_collider* own = wisp_world_rows( world, body->entity, s->collider, 0 );
         bool is_met = own->layers == 0;
-        for ( int i = 0; i < s->participant_count && is_met == false; ++i )
+        for ( wisp_entity e = { 0, 0 }; is_met == false && collision_next_participant( s, &e ); )
         {
-            const wisp_entity e = s->participants[i];
             const collision_settings* settings = wisp_world_rows( world, e, s->settings, 0 );
             is_met = settings->enabled != 0 && ( settings->mask & own->layers ) != 0 &&
                      ( body->follows == false || e.index != body->surface.index );
@@ -269,7 +266,6 @@ static size_t count_memory( const void* memory, size_t* outside )
 {
     const collision_state* state = memory;
     size_t bytes = (size_t)state->body_capacity * sizeof( collision_body ) +
-                   (size_t)state->participant_capacity * sizeof( wisp_entity ) +
                    state->sum_capacity * sizeof( collision_impulse ) + collision_near_bytes( state );
     for ( int i = 0; i < state->body_count; ++i )
     {
@@ -299,6 +295,7 @@ static wisp_status declare( wisp_registry* r )
                                   .memory = count_memory,
                                   .lines = collision_add_lines,
                                   .sleep = &( wisp_sleep_hooks ){ .surroundings = collision_surroundings } } );
+    state->registry = r;
     state->has_iterations = wisp_registry_iterations( r ) > 1;
     WISP_TRY( declare_components( r, state ) );
     WISP_TRY( declare_indices( r, state ) );

@@ -16,21 +16,6 @@ wisp_status collision_find_state( wisp_world* world, collision_state** out )
                : wisp_world_fail( world, WISP_CONFLICT, "the module collision is not registered in this world" );
 }
 
-bool collision_forget_participant( collision_state* state, wisp_entity participant )
-{
-    for ( int i = 0; i < state->participant_count; ++i )
-    {
-        if ( wisp_entity_equal( state->participants[i], participant ) )
-        {
-            state->participant_count -= 1;
-            memmove( state->participants + i, state->participants + i + 1,
-                     (size_t)( state->participant_count - i ) * sizeof( wisp_entity ) );
-            return true;
-        }
-    }
-    return false;
-}
-
 // ---- components ----
 
 // Contacts are kept in a substep where somebody reads them afterwards, or they are not found in one sweep.
@@ -47,29 +32,22 @@ static bool stores_contacts( wisp_world* world, const collision_state* state, wi
 // A surface of an external solver has contact input in place of contacts. Its rows are cleared without a body,
 // because no pass writes them then.
 static wisp_status update_surface( wisp_world* world, const collision_state* state, wisp_entity participant,
-                                   bool active )
+                                   bool active, bool stats )
 {
     const bool touches = active && wisp_world_has( world, participant, WISP_PARTICLE_EXTERNAL_SOLVER ) == false;
     const bool is_stored = touches && stores_contacts( world, state, participant );
-    wisp_status status = active ? wisp_world_attach( world, participant, state->active )
-                                : wisp_world_detach( world, participant, state->active );
-    if ( status == WISP_OK )
-    {
-        status = is_stored ? wisp_world_attach( world, participant, WISP_PARTICLE_HALF_SPACES )
-                           : wisp_world_detach( world, participant, WISP_PARTICLE_HALF_SPACES );
-    }
-    if ( status == WISP_OK )
-    {
-        status = is_stored && state->track_count > 0 ? wisp_world_attach( world, participant, state->tracked )
-                                                     : wisp_world_detach( world, participant, state->tracked );
-    }
     const bool is_all = touches && wisp_world_has( world, participant, state->all_features );
-    const wisp_component primitives[] = { state->edge_contacts, state->triangle_contacts, state->clearance };
-    for ( int i = 0; i < WISP_COUNT( primitives ) && status == WISP_OK; ++i )
-    {
-        status = is_all ? wisp_world_attach( world, participant, primitives[i] )
-                        : wisp_world_detach( world, participant, primitives[i] );
-    }
+    const wisp_component_use uses[] = {
+        { state->active, active },
+        { WISP_PARTICLE_HALF_SPACES, is_stored },
+        { state->tracked, is_stored && state->track_count > 0 },
+        { state->bounce, is_stored && state->has_bouncy },
+        { state->edge_contacts, is_all },
+        { state->triangle_contacts, is_all },
+        { state->clearance, is_all },
+        { state->stats, stats ? WISP_REQUESTED : 0 },
+    };
+    const wisp_status status = wisp_world_set_components( world, participant, uses, WISP_COUNT( uses ) );
     int32_t* body = active ? NULL : wisp_world_column( world, participant, WISP_PARTICLE_CONTACTS, 0 );
     if ( body != NULL )
     {
@@ -90,35 +68,29 @@ static bool meets_segments( wisp_world* world, const collision_state* state, wis
                                      is_all ? INFINITY : wisp_world_rest_lengths( world, strands ).longest );
 }
 
-static wisp_status update_segments( wisp_world* world, const collision_state* state, wisp_entity participant,
-                                    bool moves )
+static bool meets_any_segments( wisp_world* world, const collision_state* state, wisp_entity participant )
 {
     bool any = false;
-    for ( int i = 0; i < state->body_count && moves; ++i )
+    for ( int i = 0; i < state->body_count && any == false; ++i )
     {
-        any = any || meets_segments( world, state, participant, i );
+        any = meets_segments( world, state, participant, i );
     }
-    return any ? wisp_world_attach( world, participant, state->segment_contact )
-               : wisp_world_detach( world, participant, state->segment_contact );
+    return any;
 }
 
 // Strands that got dynamics since they were added change their component.
 static wisp_status update_strands( wisp_world* world, const collision_state* state, wisp_entity participant,
-                                   bool active )
+                                   bool active, bool stats )
 {
-    const bool moves = wisp_world_has( world, participant, WISP_STRAND_INVERSE_MASS );
-    const wisp_component contact = moves ? state->strand_contact : state->posed;
-    WISP_TRY( active ? wisp_world_attach( world, participant, contact )
-                     : wisp_world_detach( world, participant, contact ) );
-    WISP_TRY( active && moves && state->track_count > 0
-                  ? wisp_world_attach( world, participant, state->strand_tracked )
-                  : wisp_world_detach( world, participant, state->strand_tracked ) );
-    WISP_TRY( update_segments( world, state, participant, active && moves ) );
-    if ( moves && wisp_world_has( world, participant, state->posed ) )
-    {
-        return wisp_world_detach( world, participant, state->posed );
-    }
-    return WISP_OK;
+    const bool touches = active && wisp_world_has( world, participant, WISP_STRAND_INVERSE_MASS );
+    const wisp_component_use uses[] = {
+        { state->strand_contact, touches },
+        { state->posed, active && touches == false },
+        { state->strand_tracked, touches && state->track_count > 0 },
+        { state->segment_contact, touches && meets_any_segments( world, state, participant ) },
+        { state->stats, stats ? WISP_REQUESTED : 0 },
+    };
+    return wisp_world_set_components( world, participant, uses, WISP_COUNT( uses ) );
 }
 
 // Edges and corners of meshes are found once something collides with them.
@@ -143,28 +115,19 @@ wisp_status collision_update_participant( wisp_world* world, const collision_sta
 {
     const collision_settings* settings = wisp_world_column( world, participant, state->settings, 0 );
     const bool active = state->body_count > 0 && settings->enabled != 0, stats = active && settings->stats != 0;
-    wisp_status status = active ? prepare_meshes( world, state, participant ) : WISP_OK;
-    if ( status == WISP_OK && stats == false )
-    {
-        status = wisp_world_cancel_request( world, participant, state->stats );
-    }
-    if ( status == WISP_OK )
-    {
-        status = wisp_world_strands( world, participant ) == NULL
-                     ? update_surface( world, state, participant, active )
-                     : update_strands( world, state, participant, active );
-    }
-    status = status == WISP_OK ? collision_update_bounce( world, state, participant ) : status;
-    return status == WISP_OK && stats ? wisp_world_request( world, participant, state->stats ) : status;
+    WISP_TRY( active ? prepare_meshes( world, state, participant ) : WISP_OK );
+    return wisp_world_strands( world, participant ) == NULL
+               ? update_surface( world, state, participant, active, stats )
+               : update_strands( world, state, participant, active, stats );
 }
 
 wisp_status collision_update_components( wisp_world* world, collision_state* state )
 {
     wisp_status status = WISP_OK;
     collision_note_reactions( world, state );
-    for ( int i = 0; i < state->participant_count && status == WISP_OK; ++i )
+    for ( wisp_entity e = { 0, 0 }; status == WISP_OK && collision_next_participant( state, &e ); )
     {
-        status = collision_update_participant( world, state, state->participants[i] );
+        status = collision_update_participant( world, state, e );
     }
     return status == WISP_OK ? collision_update_reactions( world, state ) : status;
 }
@@ -176,11 +139,11 @@ wisp_status collision_update_for( wisp_world* world, collision_state* state, con
     {
         return collision_update_components( world, state );
     }
-    for ( int i = 0; i < state->participant_count && state->has_strands; ++i )
+    for ( wisp_entity e = { 0, 0 }; state->has_strands && collision_next_participant( state, &e ); )
     {
-        const wisp_entity e = state->participants[i];
+        const wisp_component_use use = { state->segment_contact, meets_any_segments( world, state, e ) };
         const bool moves = wisp_world_has( world, e, state->strand_contact );
-        WISP_TRY( moves ? update_segments( world, state, e, moves ) : WISP_OK );
+        WISP_TRY( moves ? wisp_world_set_components( world, e, &use, 1 ) : WISP_OK );
     }
     return WISP_OK;
 }
@@ -214,21 +177,6 @@ static collision_settings resolve( const wisp_collision_def* d, float edge, int3
         .enabled = d->enabled ? 1 : 0,
         .stats = stats,
     };
-}
-
-// Add an entity to the list, with settings that are still zero.
-static wisp_status add_participant( wisp_world* world, collision_state* state, wisp_entity participant )
-{
-    if ( wisp_world_reserve( world, (void**)&state->participants, &state->participant_capacity,
-                             state->participant_count, sizeof( wisp_entity ) ) == false )
-    {
-        return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for %d entities that collide",
-                                state->participant_count + 1 );
-    }
-    WISP_TRY( wisp_world_attach( world, participant, state->settings ) );
-    state->participants[state->participant_count++] = participant;
-    state->has_strands = state->has_strands || wisp_world_strands( world, participant ) != NULL;
-    return WISP_OK;
 }
 
 // Check that an entity can collide. Strands with velocities need masses and lengths too, or contacts have nothing to
@@ -294,7 +242,8 @@ wisp_status wisp_set_collision( wisp_world* world, wisp_entity participant, cons
     WISP_TRY( find_participant( world, participant, &state ) );
     WISP_TRY( check_features( world, participant, def->features ) );
     const bool is_new = wisp_world_has( world, participant, state->settings ) == false;
-    WISP_TRY( is_new ? add_participant( world, state, participant ) : WISP_OK );
+    WISP_TRY( wisp_world_attach( world, participant, state->settings ) );
+    state->has_strands = state->has_strands || wisp_world_strands( world, participant ) != NULL;
     collision_settings* settings = wisp_world_column( world, participant, state->settings, 0 );
     const collision_settings before = *settings;
     *settings = resolve( def, mean_length( world, participant ), before.stats );
@@ -312,7 +261,6 @@ wisp_status wisp_set_collision( wisp_world* world, wisp_entity participant, cons
     }
     if ( status != WISP_OK && is_new )
     {
-        collision_forget_participant( state, participant );
         wisp_world_detach( world, participant, state->settings );
     }
     return status;

@@ -66,9 +66,9 @@ typedef struct collision_nearness
        WISP_COLUMN( int32_t, active, 1 ) ) /* 1: there is a body, and it is enabled */                               \
     X( strand_contact, "collision.strand_contact", STRAND_ROW,                                                       \
        /* while there is a body, as what follows */ WISP_COLUMN( float, pushed, 16 ),                                \
-       /* m, normal correction of this substep; below 0: of the last one */ WISP_COLUMN( float, depth, 16 ),         \
-       /* m, depth that a vertex may keep in this iteration */ WISP_COLUMN( float, left, 16 ),                       \
-       /* m, depth that it kept */                                                                                   \
+       /* m, normal correction of this substep; below 0: of the last one */                                          \
+       WISP_COLUMN( float, depth, 16 ),    /* m, depth that a vertex may keep in this iteration */                   \
+       WISP_COLUMN( float, left, 16 ),     /* m, depth that it kept */                                               \
        WISP_COLUMN( float, friction, 48 ), /* m, sum of what friction removed in this substep */                     \
        WISP_COLUMN( float, body, 16 ),     /* number of the body that pushed; -1: several */                         \
        WISP_COLUMN( float, last, 16 ) /* m, pushed in the last substep */ )                                          \
@@ -104,8 +104,8 @@ typedef struct collision_nearness
        /* those with contacts in this substep */ WISP_COLUMN( int32_t, active_triangles, 1 ),                        \
        WISP_COLUMN( int32_t, near_edges, 1 ),                                                                        \
        /* those that may have some in this step */ WISP_COLUMN( int32_t, near_triangles, 1 ),                        \
-       WISP_COLUMN( float, longest, 1 ),   /* m, somewhat more than the longest edge at rest */                      \
-       WISP_COLUMN( float, pace, 1 ) /* times how far a particle may get in the step: its longest path */ )                       \
+       WISP_COLUMN( float, longest, 1 ), /* m, somewhat more than the longest edge at rest */                        \
+       WISP_COLUMN( float, pace, 1 ) /* times how far a particle may get in the step: its longest path */ )          \
     X( edge_contacts, "collision.edge_contacts", EDGE, WISP_COLUMN( int32_t, found, 1 ),                             \
        /* contacts, those left out included */ WISP_COLUMN( int32_t, active, 1 ), /* a list: those with contacts */  \
        WISP_COLUMN( int32_t, near, 1 ), /* a list: those that may have some in this step */                          \
@@ -129,9 +129,8 @@ typedef struct collision_state
     size_t sum_count, sum_capacity;
     collision_body* bodies;
     int body_count, body_capacity;
-    wisp_entity* participants; // surfaces and strands
-    int participant_count, participant_capacity;
-    bool has_strands; // there was one with strands
+    const wisp_registry* registry; // of participants: surfaces and strands with settings
+    bool has_strands;              // there was one with strands
     collision_nearness nearness;
     bool has_iterations; // several per substep
     bool searches_all;   // no particle is left out because a body cannot reach it in the step: for tests
@@ -187,8 +186,11 @@ wisp_status collision_update_components( wisp_world* world, collision_state* sta
 /// The same when one body came or went, which changes nothing for most participants.
 wisp_status collision_update_for( wisp_world* world, collision_state* state, const collision_body* body );
 
-/// Remove an entity from the list of participants. @return whether it was there
-bool collision_forget_participant( collision_state* state, wisp_entity participant );
+/// Go on to the next participant, by index. @param participant null before the first one
+static inline bool collision_next_participant( const collision_state* state, wisp_entity* participant )
+{
+    return wisp_next_entity( state->registry, state->settings, participant );
+}
 
 // ---- passes, each in the file that is named ----
 

@@ -168,8 +168,8 @@ wisp_status collision_follow_surface( wisp_world* world, const collision_state* 
 {
     wisp_world_let_meet( world, surface );
     WISP_TRY( wisp_world_attach( world, body, state->follower ) );
-    WISP_TRY( wisp_world_request( world, body, state->follower ) );
-    return wisp_world_request( world, surface, WISP_PARTICLE_POSITION );
+    WISP_TRY( wisp_world_request( world, body, state->follower, true ) );
+    return wisp_world_request( world, surface, WISP_PARTICLE_POSITION, true );
 }
 
 // ---- the pass ----
@@ -212,9 +212,8 @@ static collision_body* find_body( collision_state* state, wisp_entity entity )
 static int64_t count_vertices( wisp_frame* frame, const collision_state* state, wisp_entity surface )
 {
     int64_t count = 0;
-    for ( int i = 0; i < state->participant_count; ++i )
+    for ( wisp_entity e = { 0, 0 }; collision_next_participant( state, &e ); )
     {
-        const wisp_entity e = state->participants[i];
         const wisp_fabric* fabric = wisp_frame_fabric( frame, e );
         const bool is_own = wisp_entity_equal( e, surface );
         count += is_own ? 0 : fabric != NULL ? fabric->vertex_count : wisp_frame_strands( frame, e )->vertex_count;

@@ -309,10 +309,9 @@ void collision_list_near( void* memory, wisp_frame* frame, const wisp_allocator*
     collision_nearness* all = &state->nearness;
     all->near_count = 0;
     size_t places = 0, listed = 0;
-    for ( int i = 0; i < state->participant_count; ++i )
+    for ( wisp_entity e = { 0, 0 }; collision_next_participant( state, &e ); )
     {
-        const size_t index = state->participants[i].index;
-        places = index >= places ? index + 1 : places;
+        places = (size_t)e.index + 1;
     }
     const size_t bodies = (size_t)state->body_count;
     if ( state->body_count <= FEW_BODIES || state->searches_all ||
@@ -332,9 +331,8 @@ void collision_list_near( void* memory, wisp_frame* frame, const wisp_allocator*
         all->thickest = collision_larger( all->motions[i].thickness, all->thickest );
     }
     sort_motions( all, state->body_count );
-    for ( int i = 0; i < state->participant_count; ++i )
+    for ( wisp_entity e = { 0, 0 }; collision_next_participant( state, &e ); )
     {
-        const wisp_entity e = state->participants[i];
         if ( reserve_near( allocator, all->buffers + 3, (void**)&all->listed,
                            ( listed + bodies ) * sizeof( *all->listed ) ) == false )
         {

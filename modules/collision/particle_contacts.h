@@ -89,9 +89,6 @@ static inline int collision_slot( const collision_block* block, int i )
 float collision_bounce( const collision_find_args* args, const collision_view* view, const collision_contact* c,
                         int slot );
 
-/// Give a participant a column for that while a body has a restitution.
-wisp_status collision_update_bounce( wisp_world* world, const collision_state* state, wisp_entity participant );
-
 // ---- contact generation: one block of particles against its bodies, in the order of the bodies ----
 
 /// Add the contacts of a block with one body.

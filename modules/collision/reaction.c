@@ -71,19 +71,13 @@ static wisp_status update_participant( wisp_world* world, collision_state* state
 {
     const bool counts = requested && ( wisp_world_has( world, participant, state->active ) ||
                                        wisp_world_has( world, participant, state->strand_contact ) );
-    wisp_status status = counts ? wisp_world_attach( world, participant, state->reaction_part )
-                                : wisp_world_detach( world, participant, state->reaction_part );
-    const bool has_bodies = counts && wisp_world_has( world, participant, WISP_PARTICLE_HALF_SPACES );
-    if ( status == WISP_OK )
-    {
-        status = has_bodies ? wisp_world_attach( world, participant, state->contact_body )
-                            : wisp_world_detach( world, participant, state->contact_body );
-    }
-    if ( status == WISP_OK && counts )
-    {
-        *(int32_t*)wisp_world_column( world, participant, state->reaction_part, 0 ) = first;
-    }
-    return status;
+    const wisp_component_use uses[] = {
+        { state->reaction_part, counts },
+        { state->contact_body, counts && wisp_world_has( world, participant, WISP_PARTICLE_HALF_SPACES ) },
+    };
+    WISP_TRY( wisp_world_set_components( world, participant, uses, WISP_COUNT( uses ) ) );
+    WISP_FILL( world, participant, state->reaction_part, int32_t, first );
+    return WISP_OK;
 }
 
 wisp_status collision_update_reactions( wisp_world* world, collision_state* state )
@@ -95,10 +89,10 @@ wisp_status collision_update_reactions( wisp_world* world, collision_state* stat
     }
     wisp_status status = WISP_OK;
     int parts = 0;
-    for ( int i = 0; i < state->participant_count && status == WISP_OK; ++i )
+    for ( wisp_entity e = { 0, 0 }; status == WISP_OK && collision_next_participant( state, &e ); )
     {
-        status = update_participant( world, state, state->participants[i], requested, parts );
-        parts += count_parts( world, state->participants[i] );
+        status = update_participant( world, state, e, requested, parts );
+        parts += count_parts( world, e );
     }
     status =
         status == WISP_OK && requested ? reserve( world, state, (size_t)parts * (size_t)state->body_count ) : status;
@@ -185,9 +179,8 @@ static size_t place_of_body( const collision_state* state, wisp_entity entity )
 static void add_participants( wisp_frame* frame, const collision_state* state, size_t body, bool surfaces,
                               bool strands, double* total )
 {
-    for ( int i = 0; i < state->participant_count; ++i )
+    for ( wisp_entity participant = { 0, 0 }; collision_next_participant( state, &participant ); )
     {
-        const wisp_entity participant = state->participants[i];
         const wisp_strand_topology* topology = wisp_frame_strands( frame, participant );
         if ( topology != NULL ? strands : surfaces )
         {
@@ -343,20 +336,19 @@ void collision_share_contacts( wisp_frame* frame, const wisp_span* span, void* u
     const collision_state* state = user;
     const int32_t body = (int32_t)place_of_body( state, span->entity );
     double mass = 0.0;
-    for ( int i = 0; i < state->participant_count; ++i )
+    for ( wisp_entity e = { 0, 0 }; collision_next_participant( state, &e ); )
     {
-        const wisp_entity e = state->participants[i];
         if ( wisp_frame_strands( frame, e ) == NULL )
         {
             mass += vertices_near( frame, state, e, body ) + primitives_near( frame, state, e, body );
         }
     }
     ( (collision_coupled*)wisp_frame_column( frame, span->entity, state->coupled, 0 ) )->load = (float)mass;
-    for ( int i = 0; i < state->participant_count; ++i )
+    for ( wisp_entity e = { 0, 0 }; collision_next_participant( state, &e ); )
     {
-        if ( wisp_frame_strands( frame, state->participants[i] ) == NULL )
+        if ( wisp_frame_strands( frame, e ) == NULL )
         {
-            collision_unload( frame, state, state->participants[i], body );
+            collision_unload( frame, state, e, body );
         }
     }
 }
@@ -397,7 +389,6 @@ static wisp_status give_up( wisp_world* world, collision_state* state, wisp_enti
         return wisp_world_fail( world, WISP_CONFLICT, "collision: entity %u has a mass, which needs its reaction",
                                 collider.index );
     }
-    WISP_TRY( wisp_world_cancel_request( world, collider, state->reaction ) );
     WISP_TRY( wisp_world_detach( world, collider, state->reaction ) );
     collision_note_reactions( world, state );
     return collision_update_reactions( world, state );
@@ -416,10 +407,10 @@ wisp_status wisp_request_reaction( wisp_world* world, wisp_entity collider, bool
     {
         return WISP_OK;
     }
-    wisp_status status = wisp_world_attach( world, collider, state->reaction );
-    status = status == WISP_OK ? wisp_world_request( world, collider, state->reaction ) : status;
+    const wisp_component_use use = { state->reaction, WISP_USED | WISP_REQUESTED };
+    WISP_TRY( wisp_world_set_components( world, collider, &use, 1 ) );
     collision_note_reactions( world, state );
-    status = status == WISP_OK ? collision_update_reactions( world, state ) : status;
+    const wisp_status status = collision_update_reactions( world, state );
     if ( status != WISP_OK )
     {
         give_up( world, state, collider );

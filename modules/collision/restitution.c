@@ -73,12 +73,3 @@ void collision_bounce_off( wisp_frame* frame, const wisp_span* span, void* user 
         }
     }
 }
-
-// ---- which participants bounce ----
-
-wisp_status collision_update_bounce( wisp_world* world, const collision_state* state, wisp_entity participant )
-{
-    return state->has_bouncy && wisp_world_has( world, participant, WISP_PARTICLE_HALF_SPACES )
-               ? wisp_world_attach( world, participant, state->bounce )
-               : wisp_world_detach( world, participant, state->bounce );
-}

@@ -337,8 +337,7 @@ wisp_status wisp_request_contact_stats( wisp_world* world, bool requested, bool 
     wisp_status status = contact_find_state( world, &state );
     if ( status == WISP_OK && state->participant_count > 0 )
     {
-        status = requested ? wisp_world_request( world, state->mesh_entity, state->stats )
-                           : wisp_world_cancel_request( world, state->mesh_entity, state->stats );
+        status = wisp_world_request( world, state->mesh_entity, state->stats, requested );
     }
     if ( status == WISP_OK )
     {

@@ -61,9 +61,8 @@ void contact_forget_participant( wisp_world* world, contact_state* state, int nu
     }
     if ( state->participant_count == 0 )
     {
-        wisp_world_cancel_request( world, state->mesh_entity, state->result );
-        wisp_world_cancel_request( world, state->mesh_entity, state->stats );
-        wisp_world_detach( world, state->mesh_entity, state->active );
+        const wisp_component_use none[] = { { state->result, 0 }, { state->stats, 0 }, { state->active, 0 } };
+        (void)wisp_world_set_components( world, state->mesh_entity, none, WISP_COUNT( none ) ); // only frees memory
     }
 }
 
@@ -133,16 +132,17 @@ static wisp_status check_participant( wisp_world* world, wisp_entity participant
 // Make sure that there is an entity whose passes work on the contact mesh.
 static wisp_status add_mesh_entity( wisp_world* world, contact_state* state, bool strands )
 {
-    wisp_status status = WISP_OK;
     if ( wisp_is_alive( world, state->mesh_entity ) == false )
     {
-        status = wisp_world_add_empty( world, &state->mesh_entity );
+        WISP_TRY( wisp_world_add_pairs( world, 0, &state->mesh_entity ) );
     }
-    status = status == WISP_OK ? wisp_world_attach( world, state->mesh_entity, state->active ) : status;
-    status = status == WISP_OK && strands ? wisp_world_attach( world, state->mesh_entity, state->touches ) : status;
-    status = status == WISP_OK ? wisp_world_request( world, state->mesh_entity, state->result ) : status;
-    return status == WISP_OK && state->requests_stats ? wisp_world_request( world, state->mesh_entity, state->stats )
-                                                      : status;
+    const wisp_component_use uses[] = {
+        { state->active, true },
+        { state->touches, strands || has_strands( state ) },
+        { state->result, WISP_REQUESTED },
+        { state->stats, state->requests_stats ? WISP_REQUESTED : 0 },
+    };
+    return wisp_world_set_components( world, state->mesh_entity, uses, WISP_COUNT( uses ) );
 }
 
 // Undo add_mesh_entity() after a failure, unless others take part.
@@ -185,46 +185,35 @@ wisp_status contact_mark_participants( wisp_world* world, const contact_state* s
     return status;
 }
 
-static void detach_components( wisp_world* world, const contact_state* state, wisp_entity participant,
-                               wisp_component positions )
+static wisp_status set_components( wisp_world* world, const contact_state* state, wisp_entity participant,
+                                   bool is_used )
 {
-    const wisp_component all[] = { positions, WISP_STRAND_REACH, state->components.settings,
-                                   state->components.samples_read, state->components.corrected };
-    for ( int i = 0; i < WISP_COUNT( all ); ++i )
-    {
-        wisp_world_cancel_request( world, participant, i < 2 ? all[i] : positions );
-        wisp_world_detach( world, participant, all[i] );
-    }
-}
-
-static wisp_status attach_components( wisp_world* world, contact_state* state, wisp_entity participant,
-                                      wisp_component positions )
-{
-    wisp_status status = wisp_world_attach( world, participant, positions );
-    status = status == WISP_OK ? wisp_world_attach( world, participant, state->components.settings ) : status;
-    status = status == WISP_OK ? mark_participant( world, state, participant, state->world.level ) : status;
+    const contact_components* c = &state->components;
     const bool is_strands = wisp_world_strands( world, participant ) != NULL;
-    const wisp_component mark = is_strands ? WISP_STRAND_REACH : state->components.corrected;
-    status = status == WISP_OK ? wisp_world_attach( world, participant, mark ) : status;
-    status = status == WISP_OK && is_strands ? wisp_world_request( world, participant, mark ) : status;
-    return status == WISP_OK ? wisp_world_request( world, participant, positions ) : status;
+    const int use = is_used ? WISP_USED | WISP_REQUESTED : 0;
+    const wisp_component_use uses[] = {
+        { is_strands ? c->strand_free : c->particle_free, use },
+        { c->settings, is_used },
+        { c->samples_read, is_used && is_strands == false && state->world.level == WISP_CONTACT_SPHERES },
+        { is_strands ? WISP_STRAND_REACH : c->corrected, is_strands ? use : is_used },
+    };
+    return wisp_world_set_components( world, participant, uses, WISP_COUNT( uses ) );
 }
 
 static wisp_status add_participant( wisp_world* world, contact_state* state, wisp_entity participant )
 {
     const bool strands = wisp_world_strands( world, participant ) != NULL;
-    const wisp_component positions = strands ? state->components.strand_free : state->components.particle_free;
     if ( wisp_world_reserve( world, (void**)&state->participants, &state->participant_capacity,
                              state->participant_count, sizeof( contact_participant ) ) == false )
     {
         return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for %d entities in contact",
                                 state->participant_count + 1 );
     }
-    wisp_status status = attach_components( world, state, participant, positions );
-    status = status == WISP_OK ? add_mesh_entity( world, state, strands ) : status;
+    WISP_TRY( set_components( world, state, participant, true ) );
+    const wisp_status status = add_mesh_entity( world, state, strands );
     if ( status != WISP_OK )
     {
-        detach_components( world, state, participant, positions );
+        (void)set_components( world, state, participant, false ); // only frees memory
         remove_mesh_entity( world, state );
         return status;
     }
@@ -235,11 +224,9 @@ static wisp_status add_participant( wisp_world* world, contact_state* state, wis
 
 static void remove_participant( wisp_world* world, contact_state* state, int number )
 {
-    const contact_participant participant = state->participants[number];
-    const wisp_component positions =
-        participant.is_strands ? state->components.strand_free : state->components.particle_free;
+    const wisp_entity participant = state->participants[number].entity;
     contact_forget_participant( world, state, number );
-    detach_components( world, state, participant.entity, positions );
+    (void)set_components( world, state, participant, false ); // only frees memory
 }
 
 wisp_status wisp_set_contact( wisp_world* world, wisp_entity participant, const wisp_contact_def* given )

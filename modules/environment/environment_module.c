@@ -160,20 +160,10 @@ wisp_status wisp_set_environment( wisp_world* world, wisp_entity strands, const 
         return wisp_world_fail( world, WISP_CONFLICT, "module environment: %s",
                                 state == NULL ? "not registered in this world" : "the entity has no strands" );
     }
-    wisp_status status = check_curve( world, def );
-    bool had = wisp_world_has( world, strands, state->settings );
-    WISP_TRY( status == WISP_OK ? wisp_world_attach( world, strands, state->settings ) : status );
-    status = wisp_world_attach( world, strands, WISP_STRAND_STIFFNESS );
-    if ( status != WISP_OK )
-    {
-        if ( had == false )
-        {
-            wisp_world_detach( world, strands, state->settings );
-        }
-        return status;
-    }
-    wisp_environment_def* settings = wisp_world_column( world, strands, state->settings, 0 );
-    *settings = *def;
+    WISP_TRY( check_curve( world, def ) );
+    const wisp_component_use uses[] = { { state->settings, true }, { WISP_STRAND_STIFFNESS, true } };
+    WISP_TRY( wisp_world_set_components( world, strands, uses, WISP_COUNT( uses ) ) );
+    *(wisp_environment_def*)wisp_world_column( world, strands, state->settings, 0 ) = *def;
     wisp_world_column( world, strands, WISP_STRAND_STIFFNESS,
                        0 ); // marks the column as written, so that the pass runs
     return WISP_OK;

@@ -57,62 +57,36 @@ static void fill_lanes( const wisp_strand_topology* t, float common, const float
 static wisp_status attach_all( wisp_world* world, wisp_entity entity, const frozen_state* s,
                                const wisp_frozen_hair_def* d )
 {
-    const struct
-    {
-        wisp_component component;
-        bool on;
-    } parts[] = {
+    const wisp_component_use uses[] = {
         { s->settings, true },
         { s->event, true },
         { s->report, true },
         { s->freeze, d->freeze },
-        { WISP_STRAND_STIFFNESS, d->freeze },
         { s->align, d->align },
         { s->intensity, d->align },
         { s->stroke, d->base == WISP_FROZEN_BASE_STROKE },
         { s->swept, d->base == WISP_FROZEN_BASE_STROKE && d->align },
         { s->clump, d->clump && d->clump_iterations > 0 },
         { s->depth, d->max_depth_change >= 0.0f },
+        { WISP_STRAND_STIFFNESS, true }, // the last: without freeze it stays, because another module may drive it
     };
-    bool had[WISP_COUNT( parts )];
-    for ( int i = 0; i < WISP_COUNT( parts ); ++i )
-    {
-        had[i] = wisp_world_has( world, entity, parts[i].component );
-    }
-    for ( int i = 0; i < WISP_COUNT( parts ); ++i )
-    {
-        wisp_status status = parts[i].on ? wisp_world_attach( world, entity, parts[i].component ) : WISP_OK;
-        for ( int k = 0; status != WISP_OK && k < i; ++k )
-        {
-            if ( parts[k].on && had[k] == false )
-            {
-                wisp_world_detach( world, entity, parts[k].component );
-            }
-        }
-        if ( status != WISP_OK )
-        {
-            return status;
-        }
-    }
-    for ( int i = 0; i < WISP_COUNT( parts ); ++i )
-    {
-        // keep the stiffness, which another module may drive
-        if ( parts[i].on == false && parts[i].component != WISP_STRAND_STIFFNESS && had[i] )
-        {
-            wisp_world_detach( world, entity, parts[i].component );
-        }
-    }
-    return WISP_OK;
+    return wisp_world_set_components( world, entity, uses, WISP_COUNT( uses ) - ( d->freeze ? 0 : 1 ) );
 }
 
 static void write_stages( wisp_world* world, wisp_entity entity, const frozen_state* s,
                           const wisp_frozen_hair_def* d )
 {
     const wisp_strand_topology* t = wisp_world_strands( world, entity );
+    WISP_FILL( world, entity, s->freeze, frozen_freeze, d->max_bend_angle );
+    WISP_FILL( world, entity, s->align, frozen_align, d->reach, d->reach_nearest );
+    WISP_FILL( world, entity, s->depth, frozen_depth, d->max_depth_change );
+    WISP_FILL( world, entity, s->clump, frozen_clump, .radius = d->clump_radius,
+               .step = d->clump_step_length == -1.0f ? 0.1f * d->clump_radius : d->clump_step_length,
+               .distance_min = d->min_distance == -1.0f ? 0.02f * d->clump_radius : d->min_distance,
+               .lambda_min = d->min_lambda, .iterations = d->clump_iterations,
+               .brakes = d->gap == WISP_GAP_ABSOLUTE ? 1 : 0, .neighbour_limit = d->max_neighbours );
     if ( d->freeze )
     {
-        frozen_freeze* freeze = wisp_world_column( world, entity, s->freeze, 0 );
-        *freeze = ( frozen_freeze ){ d->max_bend_angle };
         fill_lanes( t, d->stretch_stiffness, d->strand_stretch_stiffness,
                     wisp_world_column( world, entity, WISP_STRAND_STIFFNESS, 0 ) );
         fill_lanes( t, d->bend_stiffness, d->strand_bend_stiffness,
@@ -120,27 +94,7 @@ static void write_stages( wisp_world* world, wisp_entity entity, const frozen_st
     }
     if ( d->align )
     {
-        frozen_align* align = wisp_world_column( world, entity, s->align, 0 );
-        *align = ( frozen_align ){ d->reach, d->reach_nearest };
         fill_lanes( t, d->intensity, d->strand_intensity, wisp_world_column( world, entity, s->intensity, 0 ) );
-    }
-    if ( d->clump && d->clump_iterations > 0 )
-    {
-        frozen_clump* clump = wisp_world_column( world, entity, s->clump, 0 );
-        *clump = ( frozen_clump ){
-            .radius = d->clump_radius,
-            .step = d->clump_step_length == -1.0f ? 0.1f * d->clump_radius : d->clump_step_length,
-            .distance_min = d->min_distance == -1.0f ? 0.02f * d->clump_radius : d->min_distance,
-            .lambda_min = d->min_lambda,
-            .iterations = d->clump_iterations,
-            .brakes = d->gap == WISP_GAP_ABSOLUTE ? 1 : 0,
-            .neighbour_limit = d->max_neighbours,
-        };
-    }
-    if ( d->max_depth_change >= 0.0f )
-    {
-        frozen_depth* depth = wisp_world_column( world, entity, s->depth, 0 );
-        *depth = ( frozen_depth ){ d->max_depth_change };
     }
 }
 
@@ -148,12 +102,8 @@ static void write_stages( wisp_world* world, wisp_entity entity, const frozen_st
 static void begin_stroke( wisp_world* world, wisp_entity entity, const frozen_state* s, uint64_t number )
 {
     const wisp_strand_topology* t = wisp_world_strands( world, entity );
-    frozen_stroke* stroke = wisp_world_column( world, entity, s->stroke, 0 );
     float* swept = wisp_world_column( world, entity, s->swept, 0 );
-    if ( stroke != NULL )
-    {
-        *stroke = ( frozen_stroke ){ .number = number, .turn = { 0.0f, 0.0f, 0.0f, 1.0f } };
-    }
+    WISP_FILL( world, entity, s->stroke, frozen_stroke, .number = number, .turn = { 0.0f, 0.0f, 0.0f, 1.0f } );
     if ( swept != NULL )
     {
         memset( swept, 0, (size_t)t->group_count * 4 * WISP_LANES * sizeof( float ) );

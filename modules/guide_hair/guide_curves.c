@@ -417,14 +417,13 @@ static wisp_status add_entity( wisp_world* world, const wisp_curves_def* def, gu
 static wisp_status watch_source( wisp_world* world, const guide_state* s, wisp_entity source )
 {
     const bool had = wisp_world_has( world, source, s->drawn );
-    wisp_status status = wisp_world_attach( world, source, s->drawn );
-    status = status == WISP_OK ? wisp_world_request( world, source, s->drawn ) : status;
-    if ( status == WISP_OK && had == false )
+    const wisp_component_use use = { s->drawn, WISP_USED | WISP_REQUESTED };
+    WISP_TRY( wisp_world_set_components( world, source, &use, 1 ) );
+    if ( had == false )
     {
-        uint64_t* changes = wisp_world_column( world, source, s->drawn, 0 );
-        *changes = 1; // curves start at 0: not drawn yet
+        WISP_FILL( world, source, s->drawn, uint64_t, 1 ); // curves start at 0: not drawn yet
     }
-    return status;
+    return WISP_OK;
 }
 
 wisp_status wisp_add_curves( wisp_world* world, const wisp_curves_def* given, wisp_entity* out )

@@ -86,13 +86,11 @@ void guide_let_go( wisp_world* world, const guide_state* state, wisp_entity enti
     }
     if ( followed == false && wisp_world_has( world, entity, state->before ) )
     {
-        wisp_world_cancel_request( world, entity, state->table );
         wisp_world_detach( world, entity, state->table );
         wisp_world_detach( world, entity, state->before );
     }
     if ( drawn == false && wisp_world_has( world, entity, state->drawn ) )
     {
-        wisp_world_cancel_request( world, entity, state->drawn );
         wisp_world_detach( world, entity, state->drawn );
     }
 }

@@ -78,75 +78,25 @@ static wisp_status check( wisp_world* world, const guide_state* s, wisp_entity g
 
 // ---- following ----
 
-// Request the passes that advance state, even if no output is requested. The rows exist, so this needs no memory.
-static wisp_status keep_running( wisp_world* world, const guide_state* s, wisp_entity ghosts,
-                                 const wisp_ghosts_def* def )
+// Passes that advance state are requested, even if no output is.
+static wisp_status set_components( wisp_world* world, const guide_state* s, wisp_entity ghosts,
+                                   const wisp_ghosts_def* def )
 {
-    const struct
-    {
-        wisp_component component;
-        bool on;
-    } parts[] = { { s->between, def->between }, { s->interval, def->between } };
-    wisp_status status = wisp_world_request( world, def->targets, s->table );
-    for ( int i = 0; i < WISP_COUNT( parts ) && status == WISP_OK; ++i )
-    {
-        if ( parts[i].on )
-        {
-            status = wisp_world_request( world, ghosts, parts[i].component );
-        }
-        else if ( wisp_world_has( world, ghosts, parts[i].component ) )
-        {
-            wisp_world_cancel_request( world, ghosts, parts[i].component );
-            wisp_world_detach( world, ghosts, parts[i].component );
-        }
-    }
-    return status;
-}
-
-static wisp_status attach_all( wisp_world* world, const guide_state* s, wisp_entity ghosts,
-                               const wisp_ghosts_def* def )
-{
-    const struct
-    {
-        wisp_entity entity;
-        wisp_component component;
-        bool on;
-    } parts[] = {
-        { ghosts, s->settings, true },
-        { ghosts, s->table, true },
-        { ghosts, s->repair, def->repair_length },
-        { ghosts, s->between, def->between },
-        { ghosts, s->interval, def->between },
-        { def->targets, s->before, true },
-        { def->targets, s->table, true },
+    const wisp_component_use followed[] = { { s->before, true }, { s->table, WISP_USED | WISP_REQUESTED } };
+    const int between = def->between ? WISP_USED | WISP_REQUESTED : 0;
+    const wisp_component_use uses[] = {
+        { s->settings, true },   { s->table, true },       { s->repair, def->repair_length },
+        { s->between, between }, { s->interval, between },
     };
-    bool had[WISP_COUNT( parts )];
-    for ( int i = 0; i < WISP_COUNT( parts ); ++i )
+    WISP_TRY( wisp_world_set_components( world, def->targets, followed, WISP_COUNT( followed ) ) );
+    const wisp_status status = wisp_world_set_components( world, ghosts, uses, WISP_COUNT( uses ) );
+    if ( status != WISP_OK )
     {
-        had[i] = wisp_world_has( world, parts[i].entity, parts[i].component );
-    }
-    for ( int i = 0; i < WISP_COUNT( parts ); ++i )
-    {
-        const wisp_status status =
-            parts[i].on ? wisp_world_attach( world, parts[i].entity, parts[i].component ) : WISP_OK;
-        for ( int k = 0; status != WISP_OK && k < i; ++k )
-        {
-            if ( parts[k].on && had[k] == false )
-            {
-                wisp_world_detach( world, parts[k].entity, parts[k].component );
-            }
-        }
-        if ( status != WISP_OK )
-        {
-            return status;
-        }
-    }
-    if ( def->repair_length == false )
-    {
-        wisp_world_detach( world, ghosts, s->repair );
+        guide_let_go( world, s, def->targets );
+        return status;
     }
     wisp_world_tie( world, def->targets, ghosts );
-    return keep_running( world, s, ghosts, def );
+    return WISP_OK;
 }
 
 // Replace the follower that the ghosts had.
@@ -171,19 +121,15 @@ wisp_status wisp_set_ghosts( wisp_world* world, wisp_entity ghosts, const wisp_g
     }
     guide_follower* follower;
     wisp_status status = guide_cook( world, ghosts, def, &follower );
-    status = status == WISP_OK ? attach_all( world, s, ghosts, def ) : status;
+    status = status == WISP_OK ? set_components( world, s, ghosts, def ) : status;
     if ( status != WISP_OK )
     {
         guide_follower_release( follower, wisp_world_allocator( world ) );
         return status;
     }
     install( world, s, follower );
-    guide_settings* settings = wisp_world_column( world, ghosts, s->settings, 0 );
-    *settings = ( guide_settings ){
-        .time = def->time,
-        .tip_gain = def->tip_gain,
-        .is_elastic = def->elastic == WISP_GHOST_ELASTIC_CHANGE ? 1 : 0,
-    };
+    WISP_FILL( world, ghosts, s->settings, guide_settings, .time = def->time, .tip_gain = def->tip_gain,
+               .is_elastic = def->elastic == WISP_GHOST_ELASTIC_CHANGE ? 1 : 0 );
     if ( def->between )
     {
         guide_begin_between( world, s, follower );

@@ -400,8 +400,7 @@ wisp_status wisp_request_implicit_cloth_stats( wisp_world* world, wisp_entity su
     WISP_TRY( wisp_world_check_entity( world, surface ) );
     implicit_state* state;
     WISP_TRY( find_cloth( world, surface, &state ) );
-    WISP_TRY( requested ? wisp_world_request( world, surface, state->stats )
-                        : wisp_world_cancel_request( world, surface, state->stats ) );
+    WISP_TRY( wisp_world_request( world, surface, state->stats, requested ) );
     implicit_material* m = wisp_world_column( world, surface, state->material, 0 );
     m->requests_stats = requested ? 1 : 0;
     return WISP_OK;

@@ -197,32 +197,6 @@ static void start_targets( wisp_world* world, wisp_entity surface, const motion_
 
 // ---- the calls ----
 
-// Attach a component or take it away. @param had receives whether it was there
-static wisp_status have( wisp_world* world, wisp_entity surface, wisp_component component, bool wanted, bool* had )
-{
-    *had = wisp_world_has( world, surface, component );
-    return wanted ? wisp_world_attach( world, surface, component ) : WISP_OK;
-}
-
-static wisp_status attach_all( wisp_world* world, wisp_entity surface, const wisp_component parts[4],
-                               const bool wanted[4], bool had[4] )
-{
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < 4 && status == WISP_OK; ++i )
-    {
-        status = have( world, surface, parts[i], wanted[i], had + i );
-    }
-    for ( int i = 0; i < 4; ++i )
-    {
-        const bool is_new = status != WISP_OK && had[i] == false;
-        if ( ( is_new || ( status == WISP_OK && wanted[i] == false ) ) && wisp_world_has( world, surface, parts[i] ) )
-        {
-            wisp_world_detach( world, surface, parts[i] );
-        }
-    }
-    return status;
-}
-
 wisp_status wisp_set_motion_constraints( wisp_world* world, wisp_entity surface,
                                          const wisp_motion_constraints_def* given )
 {
@@ -236,26 +210,31 @@ wisp_status wisp_set_motion_constraints( wisp_world* world, wisp_entity surface,
     WISP_TRY( check_def( world, &def, count ) );
     const bool xpbd = def.solver == WISP_SOLVER_XPBD,
                compliant = def.distance_compliance > 0.0f || def.backstop_compliance > 0.0f;
-    const wisp_component parts[4] = { state->settings, state->distance, state->backstop, state->lambda };
-    const bool wanted[4] = { def.enabled, def.enabled, def.enabled && has_backstops( &def, count ),
-                             def.enabled && xpbd && compliant && state->has_iterations };
-    bool had[4] = { true, true, true, true };
-    const wisp_status status = attach_all( world, surface, parts, wanted, had );
+    const bool had = wisp_world_has( world, surface, state->distance ),
+               had_backstop = wisp_world_has( world, surface, state->backstop ),
+               has_backstop = def.enabled && has_backstops( &def, count );
+    const wisp_component_use uses[] = {
+        { state->settings, def.enabled },
+        { state->distance, def.enabled },
+        { state->backstop, has_backstop },
+        { state->lambda, def.enabled && xpbd && compliant && state->has_iterations },
+    };
+    const wisp_status status = wisp_world_set_components( world, surface, uses, WISP_COUNT( uses ) );
     if ( status != WISP_OK || def.enabled == false )
     {
         return status;
     }
     fill_limits( world, surface, state, &def );
-    if ( had[1] == false )
+    if ( had == false )
     {
         start_targets( world, surface, state );
     }
     put_targets( world, surface, state, def.targets, def.normals );
-    if ( had[1] == false )
+    if ( had == false )
     {
         rest_targets( world, surface, state->distance );
     }
-    if ( wanted[2] && had[2] == false )
+    if ( has_backstop && had_backstop == false )
     {
         rest_targets( world, surface, state->backstop );
     }

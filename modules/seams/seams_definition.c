@@ -15,18 +15,6 @@ static const wisp_field SEAM_FIELDS[] = {
 };
 WISP_DEFINE( seam_def, "seams", SEAM_FIELDS )
 
-static seam_topology* find_seam( const seams_state* state, wisp_entity entity )
-{
-    for ( int i = 0; i < state->count; ++i )
-    {
-        if ( wisp_entity_equal( state->seams[i].entity, entity ) )
-        {
-            return state->seams + i;
-        }
-    }
-    return NULL;
-}
-
 static bool joins( const seam_topology* s, wisp_entity surface )
 {
     return wisp_entity_equal( s->a, surface ) || wisp_entity_equal( s->b, surface );
@@ -34,10 +22,11 @@ static bool joins( const seam_topology* s, wisp_entity surface )
 
 static bool is_sewn( const seams_state* state, wisp_entity surface )
 {
+    const seam_topology* s;
     bool found = false;
-    for ( int i = 0; i < state->count && found == false; ++i )
+    for ( int place = 0; ( s = wisp_next_object( state->seams, &place ) ) != NULL; )
     {
-        found = joins( state->seams + i, surface );
+        found = found || joins( s, surface );
     }
     return found;
 }
@@ -70,10 +59,10 @@ static wisp_status have_hub( wisp_world* world, seams_state* state )
 {
     if ( wisp_is_alive( world, state->hub ) == false )
     {
-        WISP_TRY( wisp_world_add_empty( world, &state->hub ) );
+        WISP_TRY( wisp_world_add_pairs( world, 0, &state->hub ) );
     }
     WISP_TRY( wisp_world_attach( world, state->hub, state->active ) );
-    return wisp_world_request( world, state->hub, state->result );
+    return wisp_world_request( world, state->hub, state->result, true );
 }
 
 // Undo what a failed call did to surfaces and hub, as far as no other seam needs it.
@@ -86,14 +75,15 @@ static void tidy( wisp_world* world, seams_state* state, const wisp_entity surfa
             wisp_world_detach( world, surfaces[k], state->sewn );
         }
     }
+    const seam_topology* s;
     bool is_needed = false;
-    for ( int i = 0; i < state->count; ++i )
+    for ( int place = 0; ( s = wisp_next_object( state->seams, &place ) ) != NULL; )
     {
-        is_needed = is_needed || state->seams[i].a.index != 0;
+        is_needed = is_needed || s->a.index != 0;
     }
     if ( is_needed == false && wisp_is_alive( world, state->hub ) )
     {
-        wisp_world_cancel_request( world, state->hub, state->result );
+        wisp_world_request( world, state->hub, state->result, false );
         wisp_world_detach( world, state->hub, state->active );
     }
 }
@@ -101,14 +91,18 @@ static void tidy( wisp_world* world, seams_state* state, const wisp_entity surfa
 static wisp_status attach_all( wisp_world* world, seams_state* state, seam_topology* s )
 {
     WISP_TRY( wisp_world_add_pairs( world, s->pair_count, &s->entity ) );
+    if ( wisp_reserve_object( state->seams, s->entity ) == false )
+    {
+        return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for another seam" );
+    }
     WISP_TRY( wisp_world_attach( world, s->entity, state->settings ) );
     WISP_TRY( wisp_world_attach( world, s->entity, state->pairs ) );
     wisp_world_tie( world, s->a, s->b );
     WISP_TRY( wisp_world_attach( world, s->a, state->sewn ) );
     WISP_TRY( wisp_world_attach( world, s->b, state->sewn ) );
     // positions and velocities are there from the start, but a surface that nobody looks at makes no passes without a request
-    WISP_TRY( wisp_world_request( world, s->a, WISP_PARTICLE_POSITION ) );
-    WISP_TRY( wisp_world_request( world, s->b, WISP_PARTICLE_POSITION ) );
+    WISP_TRY( wisp_world_request( world, s->a, WISP_PARTICLE_POSITION, true ) );
+    WISP_TRY( wisp_world_request( world, s->b, WISP_PARTICLE_POSITION, true ) );
     return have_hub( world, state );
 }
 
@@ -170,11 +164,7 @@ static wisp_status begin( wisp_world* world, const wisp_seam_def* given, wisp_se
     WISP_TRY( wisp_world_surface_state( world, "seams", def->a, &found ) );
     WISP_TRY( wisp_world_surface_state( world, "seams", def->b, &found ) );
     *state = found;
-    WISP_TRY( check_def( world, def ) );
-    seams_state* s = found;
-    return wisp_world_reserve( world, (void**)&s->seams, &s->capacity, s->count, sizeof( seam_topology ) )
-               ? WISP_OK
-               : wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for another seam" );
+    return check_def( world, def );
 }
 
 wisp_status wisp_add_seam( wisp_world* world, const wisp_seam_def* given, wisp_entity* out )
@@ -187,50 +177,26 @@ wisp_status wisp_add_seam( wisp_world* world, const wisp_seam_def* given, wisp_e
     }
     WISP_TRY( begin( world, given, &def, &state ) );
     WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
-    seam_topology s = { .pair_count = 0 };
+    seam_topology* s;
     WISP_TRY( seams_cook_pairs( world, &def, &s ) );
-    const wisp_status status = attach_all( world, state, &s );
+    const wisp_status status = attach_all( world, state, s );
     if ( status != WISP_OK )
     {
-        wisp_world_remove( world, s.entity );
+        int place = 0;
+        wisp_world_remove( world, s->entity );
         tidy( world, state, ( const wisp_entity[2] ){ def.a, def.b } );
-        if ( state->count == 0 && wisp_is_alive( world, state->hub ) )
+        if ( wisp_next_object( state->seams, &place ) == NULL && wisp_is_alive( world, state->hub ) )
         {
             wisp_world_remove( world, state->hub );
         }
-        seams_release_pairs( wisp_world_allocator( world ), &s );
+        wisp_release( wisp_world_allocator( world ), s, seams_bytes( s ) );
         return status;
     }
-    fill( world, state, &s, &def );
-    warn_of_pins( world, &s );
-    state->seams[state->count++] = s;
-    *out = s.entity;
+    fill( world, state, s, &def );
+    warn_of_pins( world, s );
+    wisp_set_object( state->seams, s->entity, s );
+    *out = s->entity;
     return WISP_OK;
-}
-
-// ---- removal ----
-
-void seams_forget( seams_state* state, wisp_world* world, wisp_entity entity )
-{
-    for ( int i = 0; i < state->count; ++i )
-    {
-        seam_topology* s = state->seams + i;
-        const wisp_entity surfaces[2] = { s->a, s->b };
-        const bool is_it = wisp_entity_equal( s->entity, entity );
-        if ( is_it == false && joins( s, entity ) == false )
-        {
-            continue;
-        }
-        s->a = s->b = ( wisp_entity ){ 0, 0 };
-        if ( is_it )
-        {
-            seams_release_pairs( wisp_world_allocator( world ), s );
-            state->count -= 1;
-            memmove( s, s + 1, (size_t)( state->count - i ) * sizeof( seam_topology ) );
-            i -= 1;
-        }
-        tidy( world, state, surfaces );
-    }
 }
 
 // ---- reading ----
@@ -238,7 +204,7 @@ void seams_forget( seams_state* state, wisp_world* world, wisp_entity entity )
 static seam_topology* whole_seam( wisp_world* world, wisp_entity entity, seams_state** state )
 {
     *state = world != NULL ? wisp_world_module_state( world, "seams" ) : NULL;
-    seam_topology* s = *state != NULL ? find_seam( *state, entity ) : NULL;
+    seam_topology* s = *state != NULL ? wisp_find_object( ( *state )->seams, entity ) : NULL;
     return s != NULL && s->a.index != 0 ? s : NULL;
 }
 
@@ -266,31 +232,24 @@ int wisp_count_broken_seam_pairs( wisp_world* world, wisp_entity entity )
 
 // The module: components and the pass.
 
-static void release_state( void* memory, const wisp_allocator* allocator )
-{
-    seams_state* state = memory;
-    for ( int i = 0; i < state->count; ++i )
-    {
-        seams_release_pairs( allocator, state->seams + i );
-    }
-    wisp_release( allocator, state->seams, (size_t)state->capacity * sizeof( seam_topology ) );
-}
-
 static void entity_removed( void* memory, wisp_world* world, wisp_entity entity )
 {
-    seams_forget( memory, world, entity );
+    seams_state* state = memory;
+    seam_topology* s;
+    for ( int place = 0; ( s = wisp_next_object( state->seams, &place ) ) != NULL; )
+    {
+        const wisp_entity surfaces[2] = { s->a, s->b };
+        if ( wisp_entity_equal( s->entity, entity ) || joins( s, entity ) )
+        {
+            s->a = s->b = ( wisp_entity ){ 0, 0 };
+            tidy( world, state, surfaces );
+        }
+    }
 }
 
-static size_t count_memory( const void* memory, size_t* outside )
+static void release_seam( void* seam, const wisp_allocator* allocator )
 {
-    (void)outside;
-    const seams_state* state = memory;
-    size_t bytes = (size_t)state->capacity * sizeof( seam_topology );
-    for ( int i = 0; i < state->count; ++i )
-    {
-        bytes += 2 * (size_t)state->seams[i].pair_count * sizeof( int32_t );
-    }
-    return bytes;
+    wisp_release( allocator, seam, seams_bytes( seam ) );
 }
 
 static wisp_status declare( wisp_registry* r )
@@ -300,8 +259,8 @@ static wisp_status declare( wisp_registry* r )
     {
         return WISP_NO_MEMORY;
     }
-    wisp_declare_hooks(
-        r, &( wisp_state_hooks ){ .release = release_state, .removed = entity_removed, .memory = count_memory } );
+    wisp_declare_hooks( r, &( wisp_state_hooks ){ .removed = entity_removed } );
+    s->seams = wisp_declare_objects( r, release_seam, seams_bytes );
     SEAMS_COMPONENTS( WISP_COMPONENT_DECLARE )
     const wisp_index_range broken = WISP_COLUMN_RANGE( s->pairs, 2, 0, 1 );
     WISP_TRY( wisp_declare_indices( r, &broken, 1 ) );

@@ -7,7 +7,7 @@
 //   L = 0:  dp = -( d + a p ) / ( w_a + w_b + a )            in which no direction has to be divided by |d|
 //   x_a += w_a dp,  x_b -= w_b dp
 //
-// The force of a pair is p / dt^2. Seams are projected in the order in which they were added, each colour by colour, so results do not
+// The force of a pair is p / dt^2. Seams are projected in the order of their entities, each colour by colour, so results do not
 // depend on the number of workers. A solver of velocities has moved its particles already: what moves them on is added
 // to their velocities.
 #include "seams_state.h"
@@ -21,20 +21,6 @@
 //
 // A vertex is on the boundary if more edges than triangles meet at it. Colours are greedy, in the order of the pairs: the lowest one
 // that neither vertex has yet.
-
-static size_t block_size( int pair_count )
-{
-    return 2 * (size_t)pair_count * sizeof( int32_t );
-}
-
-void seams_release_pairs( const wisp_allocator* allocator, seam_topology* s )
-{
-    if ( s->ends_x4 != NULL )
-    {
-        allocator->release( allocator->user, s->ends_x4, block_size( s->pair_count ) );
-        s->ends_x4 = NULL;
-    }
-}
 
 static wisp_status out_of_memory( wisp_world* world )
 {
@@ -156,7 +142,6 @@ static void colour_pairs( const int32_t* ends_x4, int pair_count, uint64_t* mask
 static void order_pairs( seam_topology* s, const int32_t* given_x4, const uint8_t* colours )
 {
     int next[SEAM_COLOURS] = { 0 };
-    memset( s->colour_begin, 0, sizeof( s->colour_begin ) );
     for ( int p = 0; p < s->pair_count; ++p )
     {
         s->colour_begin[colours[p] + 1] += 1;
@@ -207,43 +192,41 @@ static wisp_status check_pairs( wisp_world* world, const wisp_seam_def* def, con
     return WISP_OK;
 }
 
-// Bytes of the temporary memory: slots of the pairs, masks of their vertices, colours.
-static size_t scratch_size( const seam_topology* s, size_t slots )
-{
-    return slots * sizeof( uint64_t ) + (size_t)s->pair_count * ( 2 * sizeof( int32_t ) + 1 );
-}
-
 static wisp_status cook( wisp_world* world, const wisp_seam_def* def, const wisp_fabric* const fabrics[2],
-                         seam_topology* out )
+                         seam_topology** out )
 {
     WISP_TRY( check_pairs( world, def, fabrics ) );
     const wisp_allocator* allocator = wisp_world_allocator( world );
+    const seam_topology first = { .a = def->a, .b = def->b, .pair_count = def->pair_count };
     const size_t first_b = wisp_entity_equal( def->a, def->b ) ? 0 : (size_t)fabrics[0]->slot_count,
-                 slots = first_b + (size_t)fabrics[1]->slot_count;
-    *out = ( seam_topology ){ .a = def->a, .b = def->b, .pair_count = def->pair_count };
-    const size_t bytes = scratch_size( out, slots );
+                 slots = first_b + (size_t)fabrics[1]->slot_count, pairs = (size_t)def->pair_count;
+    // masks of the vertices, slots of the pairs, their colours
+    const size_t bytes = slots * sizeof( uint64_t ) + pairs * ( 2 * sizeof( int32_t ) + 1 );
     uint64_t* masks = allocator->allocate( allocator->user, bytes, sizeof( uint64_t ) );
-    out->ends_x4 = masks != NULL
-                       ? allocator->allocate( allocator->user, block_size( out->pair_count ), sizeof( int32_t ) )
-                       : NULL;
-    if ( out->ends_x4 != NULL )
+    seam_topology* s = allocator->allocate( allocator->user, seams_bytes( &first ), sizeof( uint64_t ) );
+    if ( masks == NULL || s == NULL )
     {
-        int32_t* given_x4 = (int32_t*)( masks + slots );
-        uint8_t* colours = (uint8_t*)( given_x4 + 2 * (size_t)out->pair_count );
-        memset( masks, 0, slots * sizeof( uint64_t ) );
-        for ( int i = 0; i < 2 * out->pair_count; ++i )
-        {
-            given_x4[i] = 4 * fabrics[i % 2]->vertex_slot[def->pairs[i]];
-        }
-        colour_pairs( given_x4, out->pair_count, masks, first_b, colours );
-        order_pairs( out, given_x4, colours );
+        wisp_release( allocator, s, seams_bytes( &first ) );
+        wisp_release( allocator, masks, bytes );
+        return out_of_memory( world );
     }
-    wisp_release( allocator, masks, bytes );
-    return out->ends_x4 != NULL ? WISP_OK : out_of_memory( world );
+    int32_t* given_x4 = (int32_t*)( masks + slots );
+    uint8_t* colours = (uint8_t*)( given_x4 + 2 * pairs );
+    memset( masks, 0, slots * sizeof( uint64_t ) );
+    for ( int i = 0; i < 2 * def->pair_count; ++i )
+    {
+        given_x4[i] = 4 * fabrics[i % 2]->vertex_slot[def->pairs[i]];
+    }
+    *s = first;
+    colour_pairs( given_x4, s->pair_count, masks, first_b, colours );
+    order_pairs( s, given_x4, colours );
+    allocator->release( allocator->user, masks, bytes );
+    *out = s;
+    return WISP_OK;
 }
 
 static wisp_status cook_found( wisp_world* world, const wisp_seam_def* def, const boundary sides[2], int32_t* pairs,
-                               seam_topology* out )
+                               seam_topology** out )
 {
     wisp_seam_def found = *def;
     found.pairs = pairs;
@@ -260,7 +243,7 @@ static wisp_status cook_found( wisp_world* world, const wisp_seam_def* def, cons
 
 // Find pairs before cooking. Temporary memory: boundaries of both surfaces, pairs, a balance of edges and triangles by slot.
 static wisp_status cook_within( wisp_world* world, const wisp_seam_def* def, const wisp_fabric* const fabrics[2],
-                                seam_topology* out )
+                                seam_topology** out )
 {
     WISP_TRY( wisp_world_need_fabric( world, def->a, WISP_FABRIC_EDGES ) );
     WISP_TRY( wisp_world_need_fabric( world, def->b, WISP_FABRIC_EDGES ) );
@@ -286,7 +269,7 @@ static wisp_status cook_within( wisp_world* world, const wisp_seam_def* def, con
     return status;
 }
 
-wisp_status seams_cook_pairs( wisp_world* world, const wisp_seam_def* def, seam_topology* out )
+wisp_status seams_cook_pairs( wisp_world* world, const wisp_seam_def* def, seam_topology** out )
 {
     const wisp_fabric* const fabrics[2] = { wisp_world_fabric( world, def->a ), wisp_world_fabric( world, def->b ) };
     return def->within > 0.0f ? cook_within( world, def, fabrics, out ) : cook( world, def, fabrics, out );
@@ -477,11 +460,12 @@ static void project_seam( wisp_frame* frame, const wisp_span* span, const seams_
 void seams_project( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const seams_state* state = user;
-    for ( int i = 0; i < state->count; ++i )
+    const seam_topology* s;
+    for ( int place = 0; ( s = wisp_next_object( state->seams, &place ) ) != NULL; )
     {
-        if ( state->seams[i].a.index != 0 )
+        if ( s->a.index != 0 )
         {
-            project_seam( frame, span, state, state->seams + i );
+            project_seam( frame, span, state, s );
         }
     }
 }

@@ -1,4 +1,4 @@
-// State of the module: the seams in the order in which they were added, and what their rows hold.
+// State of the module: the seams, and what their rows hold.
 #pragma once
 
 #include "seams.h"
@@ -20,7 +20,7 @@ enum
     SEAM_COLOURS = 64, // the last one holds what found no other, and runs serially
 };
 
-/// Topology of a seam. Rows are in the order of their colours: pairs of a colour share no vertex.
+/// Topology of a seam, an object of its entity. Rows are in the order of their colours: pairs of a colour share no vertex.
 typedef struct seam_topology
 {
     wisp_entity entity;
@@ -28,7 +28,7 @@ typedef struct seam_topology
     int pair_count;
     int colour_count;
     int colour_begin[SEAM_COLOURS + 1]; // first row of a colour
-    int32_t* ends_x4;                   // [pair_count][2] slots times 4
+    int32_t ends_x4[];                  // [pair_count][2] slots times 4
 } seam_topology;
 
 /// The components, a row each: X( member, "name", table, columns ).
@@ -45,17 +45,17 @@ typedef struct seams_state
 {
     SEAMS_COMPONENTS( WISP_COMPONENT_MEMBER )
     wisp_entity hub;
-    seam_topology* seams;
-    int count, capacity;
+    wisp_objects* seams; // seam_topology
 } seams_state;
 
 /// Compute the force that pulls at a pair; negative: it pushes. @param d from the vertex of b to that of a
 float seams_pull( const float impulse[3], const float d[3], float rest, float inverse_dt2 ); // seams_project.c
-/// Free the topology of a seam.
-void seams_release_pairs( const wisp_allocator* allocator, seam_topology* s ); // seams_project.c
+/// Bytes of a topology.
+static inline size_t seams_bytes( const void* seam )
+{
+    return sizeof( seam_topology ) + 2 * (size_t)( (const seam_topology*)seam )->pair_count * sizeof( int32_t );
+}
 /// Check pairs and order them in colours, or find them first if the definition says within. @param out receives topology and surfaces
-wisp_status seams_cook_pairs( wisp_world* world, const wisp_seam_def* def, seam_topology* out ); // seams_project.c
-/// A surface or a seam is about to be removed.
-void seams_forget( seams_state* state, wisp_world* world, wisp_entity entity ); // seams_definition.c
+wisp_status seams_cook_pairs( wisp_world* world, const wisp_seam_def* def, seam_topology** out ); // seams_project.c
 /// The pass.
 void seams_project( wisp_frame* frame, const wisp_span* span, void* user ); // seams_project.c

@@ -116,8 +116,5 @@ wisp_status wisp_set_strand_appearance( wisp_world* world, wisp_entity strands,
         return wisp_world_fail( world, WISP_CONFLICT, "module strand_appearance: %s",
                                 state == NULL ? "not registered in this world" : "the entity has no strands" );
     }
-    WISP_TRY( wisp_world_attach( world, strands, state->settings ) );
-    wisp_strand_appearance_def* settings = wisp_world_column( world, strands, state->settings, 0 );
-    *settings = *def;
-    return WISP_OK;
+    return wisp_world_set_row( world, strands, state->settings, def, sizeof( *def ) );
 }

@@ -391,23 +391,12 @@ wisp_status wisp_set_strand_grid( wisp_world* world, wisp_entity strands, const 
     const wisp_strand_grid_def* def = &values;
     WISP_TRY( wisp_world_begin_def( world, &strands, &wisp_strand_grid_def_fields, &values, given ) );
     strands_state* state;
-    wisp_status status = strands_find( world, strands, &state );
-    if ( status == WISP_OK )
-    {
-        status = def->enabled ? wisp_world_attach( world, strands, state->grid )
-                              : wisp_world_detach( world, strands, state->grid );
-    }
-    strands_grid* grid = wisp_world_column( world, strands, state != NULL ? state->grid : 0, 0 );
-    if ( status == WISP_OK && grid != NULL )
-    {
-        const strands_rows rows = strands_rows_of( world, strands );
-        *grid = ( strands_grid ){
-            .cell = def->cell_size > 0.0f ? def->cell_size : cell_for( &rows ),
-            .friction = def->friction,
-            .repulsion = def->repulsion,
-        };
-        wisp_world_tell( world, strands, def->friction == 0.0f && def->repulsion == 0.0f,
-                         "'grid' has no effect without friction or repulsion" );
-    }
-    return status;
+    WISP_TRY( strands_find( world, strands, &state ) );
+    const strands_rows rows = strands_rows_of( world, strands );
+    const strands_grid grid = { .cell = def->cell_size > 0.0f ? def->cell_size : cell_for( &rows ),
+                                .friction = def->friction,
+                                .repulsion = def->repulsion };
+    wisp_world_tell( world, strands, def->enabled && def->friction == 0.0f && def->repulsion == 0.0f,
+                     "'grid' has no effect without friction or repulsion" );
+    return wisp_world_set_row( world, strands, state->grid, def->enabled ? &grid : NULL, sizeof( grid ) );
 }

@@ -210,25 +210,12 @@ void strands_cook_tips( wisp_world* world, wisp_entity strands, const strands_st
 // Attach what tips need. Without memory nothing changes.
 static wisp_status attach( wisp_world* world, wisp_entity strands, const strands_state* state, bool is_guided )
 {
-    const wisp_component all[] = { state->tips, state->tip_rows, state->curve, state->balance };
-    const bool is_needed[] = { true, true, is_guided, is_guided };
+    const wisp_component_use uses[] = {
+        { state->tips, true }, { state->tip_rows, true }, { state->curve, true }, { state->balance, true }
+    };
     const bool had_tips = wisp_world_has( world, strands, state->tips );
     const bool had_frames = wisp_world_has( world, strands, state->curve );
-    bool came[WISP_COUNT( all )] = { false };
-    for ( int i = 0; i < WISP_COUNT( all ); ++i )
-    {
-        const bool lacks = is_needed[i] && wisp_world_has( world, strands, all[i] ) == false;
-        const wisp_status status = lacks ? wisp_world_attach( world, strands, all[i] ) : WISP_OK;
-        came[i] = lacks && status == WISP_OK;
-        for ( int k = 0; status != WISP_OK && k < i; ++k )
-        {
-            if ( came[k] )
-            {
-                (void)wisp_world_detach( world, strands, all[k] ); // frees memory, so it cannot fail
-            }
-        }
-        WISP_TRY( status );
-    }
+    WISP_TRY( wisp_world_set_components( world, strands, uses, is_guided ? 4 : 2 ) );
     if ( had_tips == false )
     {
         const wisp_strand_topology* t = wisp_world_strands( world, strands );

@@ -115,11 +115,10 @@ static void move_columns( const strands_state* state, wisp_world* world, wisp_en
 static void move_rooted( const strands_state* state, wisp_world* world, wisp_entity surface,
                          const wisp_teleport_motion* teleport )
 {
-    for ( int i = 0; i < state->rooted_count; ++i )
+    for ( wisp_entity strands = { 0, 0 }; wisp_next_entity( state->registry, state->surface, &strands ); )
     {
-        const wisp_entity strands = state->rooted[i];
         const wisp_entity* on = wisp_world_column( world, strands, state->surface, 0 );
-        if ( on != NULL && wisp_entity_equal( *on, surface ) )
+        if ( wisp_entity_equal( *on, surface ) )
         {
             move_columns( state, world, strands, teleport );
             wisp_world_move_columns( world, strands, teleport );

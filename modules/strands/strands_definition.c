@@ -466,46 +466,21 @@ static void fill_settings( wisp_world* world, wisp_entity strands, const strands
 static void fill_materials( wisp_world* world, wisp_entity strands, const strands_state* s,
                             const wisp_strand_dynamics_def* d )
 {
-    float* damping = wisp_world_column( world, strands, s->damping, 0 );
-    strands_air* air = wisp_world_column( world, strands, s->air, 0 );
-    strands_direct* direct = wisp_world_column( world, strands, s->direct, 0 );
-    strands_link* links = wisp_world_column( world, strands, s->links, 0 );
-    strands_link* bend_links = wisp_world_column( world, strands, s->bend_links, 0 );
-    strands_section* section = wisp_world_column( world, strands, s->section, 0 );
-    strands_closed* closed = wisp_world_column( world, strands, s->closed, 0 );
     const int32_t xpbd = d->solver == WISP_SOLVER_XPBD ? 1 : 0;
     const bool is_airless = d->drag_coefficient == 0.0f || d->air_density == 0.0f;
     wisp_world_tell( world, strands, is_airless && ( d->wind.x != 0.0f || d->wind.y != 0.0f || d->wind.z != 0.0f ),
                      "'wind' has no effect without drag_coefficient and air_density" );
-    if ( closed != NULL )
-    {
-        *closed = ( strands_closed ){ d->closing_twist };
-    }
-    if ( section != NULL )
-    {
-        const double ratio = (double)d->bend_rigidity / (double)d->edgewise_rigidity;
-        *section = ( strands_section ){ (float)sqrt( 1.0 - ratio ), d->natural_twist, d->flat_normal };
-    }
-    if ( damping != NULL )
-    {
-        *damping = d->damping;
-    }
-    if ( air != NULL )
-    {
-        *air = ( strands_air ){ d->wind, 0.5f * d->air_density * d->drag_coefficient * d->diameter };
-    }
-    if ( direct != NULL )
-    {
-        *direct = ( strands_direct ){ d->stretch_passes, d->stretch_tolerance, d->bending == WISP_STRAND_BEND_ROD };
-    }
-    if ( links != NULL )
-    {
-        *links = ( strands_link ){ xpbd, d->stretch_stiffness, d->stretch_compliance };
-    }
-    if ( bend_links != NULL )
-    {
-        *bend_links = ( strands_link ){ xpbd, d->bend_stiffness, d->bend_compliance };
-    }
+    WISP_FILL( world, strands, s->closed, strands_closed, d->closing_twist );
+    WISP_FILL( world, strands, s->section, strands_section,
+               (float)sqrt( 1.0 - (double)d->bend_rigidity / (double)d->edgewise_rigidity ), d->natural_twist,
+               d->flat_normal );
+    WISP_FILL( world, strands, s->damping, float, d->damping );
+    WISP_FILL( world, strands, s->air, strands_air, d->wind,
+               0.5f * d->air_density * d->drag_coefficient * d->diameter );
+    WISP_FILL( world, strands, s->direct, strands_direct, d->stretch_passes, d->stretch_tolerance,
+               d->bending == WISP_STRAND_BEND_ROD );
+    WISP_FILL( world, strands, s->links, strands_link, xpbd, d->stretch_stiffness, d->stretch_compliance );
+    WISP_FILL( world, strands, s->bend_links, strands_link, xpbd, d->bend_stiffness, d->bend_compliance );
 }
 
 // Put the last vertex of each loop exactly on its first: it is the same one.
@@ -597,11 +572,7 @@ static void cook( wisp_world* world, wisp_entity strands, const strands_state* s
     const int pins = strands_cook_masses( world, strands, d );
     fill_settings( world, strands, s, d );
     fill_materials( world, strands, s, d );
-    int32_t* held = wisp_world_column( world, strands, s->pins, 0 );
-    if ( held != NULL )
-    {
-        *held = pins;
-    }
+    WISP_FILL( world, strands, s->pins, int32_t, pins );
     strands_cook_links( world, strands, s );
     strands_cook_rods( world, strands, s );
     strands_cook_tips( world, strands, s );

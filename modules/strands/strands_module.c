@@ -306,18 +306,6 @@ static wisp_status declare_stats( wisp_registry* r, strands_state* s )
     return wisp_declare_passes( r, passes, WISP_COUNT( passes ), s );
 }
 
-static void release_state( void* memory, const wisp_allocator* allocator )
-{
-    strands_state* s = memory;
-    wisp_release( allocator, s->rooted, (size_t)s->rooted_capacity * sizeof( wisp_entity ) );
-}
-
-static size_t count_memory( const void* memory, size_t* outside )
-{
-    (void)outside;
-    return (size_t)( (const strands_state*)memory )->rooted_capacity * sizeof( wisp_entity );
-}
-
 static wisp_status declare_indices( wisp_registry* r, const strands_state* s )
 {
     const wisp_index_range ranges[] = {
@@ -334,7 +322,7 @@ static wisp_status declare_indices( wisp_registry* r, const strands_state* s )
         WISP_COLUMN_RANGE( s->in_bounds, 0, 0, 1 ),
         WISP_COLUMN_RANGE( s->tips, 0, 0, WISP_STRAND_TIP_COUNT - 1 ),
         { .component = s->surface, .kind = WISP_INDEX_SURFACE },
-        { .component = s->anchor, .kind = WISP_INDEX_SLOT, .surface = s->surface },
+        { .component = s->anchor, .kind = WISP_INDEX_TRIANGLE, .surface = s->surface },
     };
     return wisp_declare_indices( r, ranges, WISP_COUNT( ranges ) );
 }
@@ -346,12 +334,10 @@ static wisp_status declare( wisp_registry* r )
     {
         return WISP_NO_MEMORY;
     }
+    s->registry = r;
     wisp_declare_hooks( r,
-                        &( wisp_state_hooks ){ .release = release_state,
-                                               .removed = strands_entity_removed,
+                        &( wisp_state_hooks ){ .removed = strands_entity_removed,
                                                .teleported = strands_teleported,
-                                               .triangles_changed = strands_triangles_changed,
-                                               .memory = count_memory,
                                                .lines = strands_add_frames,
                                                .sleep = &( wisp_sleep_hooks ){ .surroundings = strands_surroundings,
                                                                                .rested = strands_rested } } );

@@ -130,9 +130,8 @@ typedef struct strands_grid
                     1 ) ) /* the group was found within bounds at the end of this step; 0 between steps */           \
     X( surface, "strands.surface", ENTITY,                                                                           \
        WISP_COLUMN( wisp_entity, surface, 1 ) ) /* null: it was removed, roots stay */                               \
-    X( anchor, "strands.anchor", STRAND_GROUP,                                                                       \
-       WISP_COLUMN( int32_t, slot, 48 ),  /* [3][16] corners of the triangle, as slots of the surface */             \
-       WISP_COLUMN( float, weight, 48 ),  /* [3][16] barycentric */                                                  \
+    X( anchor, "strands.anchor", STRAND_GROUP, WISP_COLUMN( int32_t, triangle, 16 ), /* of the surface */            \
+       WISP_COLUMN( float, weight, 48 ),                                             /* [3][16] barycentric */       \
        WISP_COLUMN( float, turn, 64 ),    /* [4][16] rotation of the root relative to the triangle */                \
        WISP_COLUMN( float, corner, 144 ), /* [3 corners][3][16] m, at the end of the step before */                  \
        WISP_COLUMN( float, jump,                                                                                     \
@@ -155,8 +154,7 @@ typedef struct strands_grid
 typedef struct strands_state
 {
     STRANDS_COMPONENTS( WISP_COMPONENT_MEMBER )
-    int workspace;       // of the grid
-    int lent_rows;       // workspace of substeps that run pass by pass
-    wisp_entity* rooted; // strands that are rooted in a surface, in the order of calls
-    int rooted_count, rooted_capacity;
+    int workspace; // of the grid
+    int lent_rows; // workspace of substeps that run pass by pass
+    const wisp_registry* registry;
 } strands_state;

@@ -74,40 +74,14 @@ static wisp_status tearing_check( wisp_world* world, wisp_entity surface )
 
 // ---- setting ----
 
-// Take a surface off the list. (tearing_definition.c)
-static void tearing_forget( tearing_state* state, wisp_entity surface )
+static wisp_status set_components( wisp_world* world, const tearing_state* state, wisp_entity surface, bool tears )
 {
-    for ( int i = 0; i < state->count; ++i )
-    {
-        if ( wisp_entity_equal( state->surfaces[i], surface ) )
-        {
-            state->count -= 1;
-            memmove( state->surfaces + i, state->surfaces + i + 1,
-                     (size_t)( state->count - i ) * sizeof( wisp_entity ) );
-            return;
-        }
-    }
-}
-
-static void remove_tearing( wisp_world* world, tearing_state* state, wisp_entity surface )
-{
-    const wisp_component own[] = { state->settings, state->strength, state->limit, WISP_LINK_LAMBDA };
-    wisp_world_cancel_request( world, surface, state->result );
-    for ( int i = 0; i < WISP_COUNT( own ); ++i )
-    {
-        wisp_world_detach( world, surface, own[i] );
-    }
-    tearing_forget( state, surface );
-}
-
-static wisp_status attach_all( wisp_world* world, const tearing_state* state, wisp_entity surface )
-{
-    WISP_TRY( wisp_world_need_fabric( world, surface, WISP_FABRIC_EDGES | WISP_FABRIC_HINGES ) );
-    WISP_TRY( wisp_world_attach( world, surface, state->strength ) );
-    WISP_TRY( wisp_world_attach( world, surface, state->limit ) );
-    WISP_TRY( wisp_world_attach( world, surface, WISP_LINK_LAMBDA ) );
-    WISP_TRY( wisp_world_attach( world, surface, state->settings ) );
-    return wisp_world_request( world, surface, state->result );
+    const wisp_component_use uses[] = { { state->strength, tears },
+                                        { state->limit, tears },
+                                        { WISP_LINK_LAMBDA, tears },
+                                        { state->settings, tears },
+                                        { state->result, tears ? WISP_REQUESTED : 0 } };
+    return wisp_world_set_components( world, surface, uses, WISP_COUNT( uses ) );
 }
 
 static void fill( wisp_world* world, const tearing_state* state, wisp_entity surface, const wisp_tearing_def* d )
@@ -124,40 +98,13 @@ static void fill( wisp_world* world, const tearing_state* state, wisp_entity sur
     tearing_fill_limits( world, state, surface );
 }
 
-static bool is_listed( const tearing_state* state, wisp_entity surface )
-{
-    bool found = false;
-    for ( int i = 0; i < state->count && found == false; ++i )
-    {
-        found = wisp_entity_equal( state->surfaces[i], surface );
-    }
-    return found;
-}
-
 static wisp_status set_tearing( wisp_world* world, tearing_state* state, wisp_entity surface,
                                 const wisp_tearing_def* d )
 {
     WISP_TRY( tearing_check( world, surface ) );
     WISP_TRY( check_values( world, wisp_world_fabric( world, surface ), d ) );
-    const bool is_new = is_listed( state, surface ) == false;
-    if ( is_new && wisp_world_reserve( world, (void**)&state->surfaces, &state->capacity, state->count,
-                                       sizeof( wisp_entity ) ) == false )
-    {
-        return wisp_world_fail( world, WISP_NO_MEMORY, "tearing: out of memory for %d surfaces", state->count + 1 );
-    }
-    const wisp_status status = attach_all( world, state, surface );
-    if ( status != WISP_OK )
-    {
-        if ( is_new )
-        {
-            remove_tearing( world, state, surface );
-        }
-        return status;
-    }
-    if ( is_new )
-    {
-        state->surfaces[state->count++] = surface;
-    }
+    WISP_TRY( wisp_world_need_fabric( world, surface, WISP_FABRIC_EDGES | WISP_FABRIC_HINGES ) );
+    WISP_TRY( set_components( world, state, surface, true ) );
     fill( world, state, surface, d );
     return WISP_OK;
 }
@@ -168,8 +115,9 @@ wisp_status wisp_set_tearing( wisp_world* world, wisp_entity surface, const wisp
     WISP_TRY( given != NULL ? wisp_world_begin_def( world, NULL, &wisp_tearing_def_fields, &def, given )
                             : wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, surface ) );
-    void* state;
-    WISP_TRY( wisp_world_surface_state( world, "tearing", surface, &state ) );
+    void* memory;
+    WISP_TRY( wisp_world_surface_state( world, "tearing", surface, &memory ) );
+    tearing_state* state = memory;
     if ( given == NULL || isinf( def.strength ) )
     {
         if ( given != NULL )
@@ -177,11 +125,8 @@ wisp_status wisp_set_tearing( wisp_world* world, wisp_entity surface, const wisp
             WISP_TRY( check_values( world, wisp_world_fabric( world, surface ), &def ) );
             wisp_world_tell( world, surface, true, "'tearing' has no effect without a strength" );
         }
-        if ( is_listed( state, surface ) )
-        {
-            remove_tearing( world, state, surface );
-        }
-        return WISP_OK;
+        return wisp_world_has( world, surface, state->settings ) ? set_components( world, state, surface, false )
+                                                                 : WISP_OK;
     }
     return set_tearing( world, state, surface, &def );
 }
@@ -224,31 +169,12 @@ wisp_status wisp_read_tearing_stats( wisp_world* world, wisp_entity surface, wis
 
 // The module: its components, its pass and its hooks.
 
-static void release_state( void* memory, const wisp_allocator* allocator )
-{
-    tearing_state* state = memory;
-    wisp_release( allocator, state->surfaces, (size_t)state->capacity * sizeof( wisp_entity ) );
-}
-
-static void entity_removed( void* memory, wisp_world* world, wisp_entity entity )
-{
-    (void)world;
-    tearing_forget( memory, entity );
-}
-
-static size_t count_memory( const void* memory, size_t* outside )
-{
-    (void)outside;
-    return (size_t)( (const tearing_state*)memory )->capacity * sizeof( wisp_entity );
-}
-
-// Surfaces split in the order in which they were set.
 static wisp_status split_all( void* memory, wisp_world* world )
 {
     const tearing_state* state = memory;
-    for ( int i = 0; i < state->count; ++i )
+    for ( wisp_entity e = { 0, 0 }; wisp_next_entity( state->registry, state->settings, &e ); )
     {
-        WISP_TRY( tearing_split( world, state, state->surfaces[i] ) );
+        WISP_TRY( tearing_split( world, state, e ) );
     }
     return WISP_OK;
 }
@@ -260,9 +186,8 @@ static wisp_status declare( wisp_registry* r )
     {
         return WISP_NO_MEMORY;
     }
-    wisp_declare_hooks(
-        r, &( wisp_state_hooks ){
-               .release = release_state, .removed = entity_removed, .stepped = split_all, .memory = count_memory } );
+    s->registry = r;
+    wisp_declare_hooks( r, &( wisp_state_hooks ){ .stepped = split_all } );
     TEARING_COMPONENTS( WISP_COMPONENT_DECLARE )
     const wisp_index_range ranges[] = {
         WISP_MEMBER_RANGE( s->settings, tearing_settings, max_splits, 1, TEARING_MAX_SPLITS ),

@@ -37,8 +37,7 @@ typedef struct tearing_result
 typedef struct tearing_state
 {
     TEARING_COMPONENTS( WISP_COMPONENT_MEMBER )
-    wisp_entity* surfaces; // in the order in which they were set
-    int count, capacity;
+    const wisp_registry* registry;
 } tearing_state;
 
 /// The pass: compare links with their limits. (tearing_mesh.c)

@@ -6,6 +6,7 @@
 #include "wisp/lines.h"
 #include "wisp/maps.h"
 #include "wisp/module/jobs.h"
+#include "wisp/module/anchor.h"
 #include "wisp/module/collision_mesh.h"
 #include "wisp/samples.h"
 #include "wisp/shapes.h"

@@ -98,12 +98,9 @@ static inline sewn_pair pair_of( wisp_world* world, wisp_entity entity, int numb
     sewn_pair pairs[256];
     const int count = wisp_count_seam_pairs( world, entity );
     assert_true( number < count && count <= 256 );
-    for ( int i = 0; i < state->count; ++i )
+    for ( int row = 0; row < count; ++row )
     {
-        for ( int row = 0; row < count && wisp_entity_equal( state->seams[i].entity, entity ); ++row )
-        {
-            pairs[row] = read_pair( world, state, state->seams + i, row );
-        }
+        pairs[row] = read_pair( world, state, wisp_find_object( state->seams, entity ), row );
     }
     qsort( pairs, (size_t)count, sizeof( *pairs ), compare_pairs );
     return pairs[number];

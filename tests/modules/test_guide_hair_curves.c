@@ -240,7 +240,7 @@ TEST( curves_that_cannot_be_are_refused_by_name )
     refuse( d.world, def, WISP_CONFLICT, "holds curves" );
     def.source = ( wisp_entity ){ 0, 0 };
     refuse( d.world, def, WISP_CONFLICT, "does not exist" );
-    guide_ok( d.world, wisp_world_add_empty( d.world, &def.source ) );
+    guide_ok( d.world, wisp_world_add_pairs( d.world, 0, &def.source ) );
     refuse( d.world, def, WISP_CONFLICT, "no strands" );
     wisp_world_destroy( d.world );
 }

@@ -112,7 +112,7 @@ TEST( who_cannot_follow_or_be_followed_is_refused )
     refuse( &f, def, WISP_CONFLICT, "itself" );
     def.targets = guide_add( f.world, f.s.target, 0, NODES );
     refuse( &f, def, WISP_CONFLICT, "has no vertices" );
-    guide_ok( f.world, wisp_world_add_empty( f.world, &def.targets ) );
+    guide_ok( f.world, wisp_world_add_pairs( f.world, 0, &def.targets ) );
     refuse( &f, def, WISP_CONFLICT, "no strands" );
     def.targets = guide_add( f.world, f.s.target, 3, NODES );
     const wisp_entity gone = def.targets;

@@ -12,6 +12,7 @@
 #include "motion_constraints.h"
 #include "oracle/tearing_oracle.h"
 #include "strands.h"
+#include "wisp/module/anchor.h"
 
 // ---- a strip ----
 
@@ -679,18 +680,6 @@ TEST( a_map_of_factors_decides_where_it_tears )
 
 // ---- what is attached to it ----
 
-static bool is_triangle( const wisp_fabric* f, const int32_t corner[3] )
-{
-    for ( int t = 0; t < f->triangle_count; ++t )
-    {
-        if ( memcmp( f->triangles + 3 * (size_t)t, corner, 3 * sizeof( int32_t ) ) == 0 )
-        {
-            return true;
-        }
-    }
-    return false;
-}
-
 // A sheet that tears, one whose vertices are attached to it all over, and hair on it.
 TEST( pins_and_roots_go_with_their_triangles )
 {
@@ -744,21 +733,33 @@ TEST( pins_and_roots_go_with_their_triangles )
     }
     assert_true( tearing_stats_of( w, e ).split_count > 10 );
     const wisp_fabric* f = wisp_world_fabric( w, e );
+    const float* position = wisp_world_column( w, e, WISP_PARTICLE_POSITION, 0 );
+    const float* pins = wisp_world_column( w, pinned, WISP_PARTICLE_POSITION, 0 );
     const char* place = wisp_world_column( w, pinned, wisp_world_find_component( w, "attachments.place" ), 0 );
-    const int32_t* anchor = wisp_world_column( w, hair, wisp_world_find_component( w, "strands.anchor" ), 0 );
+    const wisp_component anchor = wisp_world_find_component( w, "strands.anchor" );
+    const int32_t* root_triangle = wisp_world_column( w, hair, anchor, 0 );
+    const float *root_weights = wisp_world_column( w, hair, anchor, 1 ),
+                *roots = wisp_world_column( w, hair, WISP_STRAND_ROOT, 0 );
     int changed = 0;
     for ( int v = 0; v < COUNT; ++v )
     {
-        int32_t corner[3];
-        memcpy( corner, place + 44 * (size_t)wisp_world_fabric( w, pinned )->vertex_slot[v] + 8, sizeof( corner ) );
-        assert_true( is_triangle( f, corner ) );
-        const int lane = v % WISP_LANES, first = v / WISP_LANES * 3 * WISP_LANES + lane;
-        const int32_t root[3] = { anchor[first], anchor[first + WISP_LANES], anchor[first + 2 * WISP_LANES] };
-        assert_true( is_triangle( f, root ) );
-        changed += f->slot_vertex[corner[0]] >= COUNT || f->slot_vertex[corner[1]] >= COUNT ||
-                           f->slot_vertex[corner[2]] >= COUNT
-                       ? 1
-                       : 0;
+        const size_t slot = (size_t)wisp_world_fabric( w, pinned )->vertex_slot[v],
+                     first = (size_t)( v / WISP_LANES * 3 * WISP_LANES + v % WISP_LANES );
+        wisp_anchor pin;
+        memcpy( &pin, place + 36 * slot + 8, sizeof( pin ) );
+        const wisp_triangle of_pin = wisp_triangle_of( f, position, pin.triangle ),
+                            of_root = wisp_triangle_of( f, position, root_triangle[v] );
+        const float *w3 = root_weights + first, *r3 = roots + first;
+        const float weights[3] = { w3[0], w3[WISP_LANES], w3[2 * WISP_LANES] };
+        const wisp_vec3 root = { r3[0], r3[WISP_LANES], r3[2 * WISP_LANES] };
+        const wisp_vec3 foot = wisp_triangle_point( &of_pin, pin.weights );
+        const float away = wisp_v3_length( wisp_v3_sub( wisp_v3_load( pins + 4 * slot ), foot ) );
+        assert_true( away > 0.01f && away < 0.03f );
+        assert_true( wisp_v3_length( wisp_v3_sub( root, wisp_triangle_point( &of_root, weights ) ) ) < 1e-5f );
+        for ( int k = 0; k < 3; ++k )
+        {
+            changed += f->slot_vertex[f->triangles[3 * (size_t)pin.triangle + (size_t)k]] >= COUNT ? 1 : 0;
+        }
     }
     assert_true( changed > 5 );
 }

@@ -85,7 +85,7 @@ typedef enum wisp_index_kind
     WISP_INDEX_ROW = 1,     ///< lowest .. the last row of the entity in `table`
     WISP_INDEX_COUNT = 2,   ///< lowest .. the number of its rows there
     WISP_INDEX_SURFACE = 3, ///< a wisp_entity: null, or another surface
-    WISP_INDEX_SLOT =
+    WISP_INDEX_TRIANGLE =
         4, ///< of the surface in the first row of `surface`, or where that is 0 in this row; any if it is null
     WISP_INDEX_SAME = 5, ///< what the world has: fixed when the component was attached
 } wisp_index_kind;
@@ -312,6 +312,10 @@ WISP_API void wisp_set_object( wisp_objects* objects, wisp_entity entity, void* 
 /// Walk all objects, by the index of their entities. @param place 0 before the first one @return null behind the last one
 WISP_API void* wisp_next_object( const wisp_objects* objects, int* place );
 
+/// Go on to the next entity that has a component, by index. Where a module keeps nothing else of its entities, this is its list of them.
+/// @param entity null before the first one @return false behind the last one
+WISP_API bool wisp_next_entity( const wisp_registry* registry, wisp_component component, wisp_entity* entity );
+
 typedef struct wisp_line_list wisp_line_list;
 /// Add a line between two points in the rows of an entity.
 WISP_API void wisp_add_line( wisp_line_list* list, wisp_entity entity, wisp_vec3 from, wisp_vec3 to,
@@ -537,13 +541,11 @@ WISP_API wisp_status wisp_world_check_pointer( wisp_world* world, const char* na
 WISP_API wisp_status wisp_world_check_list( wisp_world* world, const char* name, const void* list, int count );
 /// As wisp_remove(), wisp_request() and wisp_cancel_request(), inside a call: the message of the world stays.
 WISP_API void wisp_world_remove( wisp_world* world, wisp_entity entity );
-WISP_API wisp_status wisp_world_request( wisp_world* world, wisp_entity entity, wisp_component component );
-WISP_API wisp_status wisp_world_cancel_request( wisp_world* world, wisp_entity entity, wisp_component component );
+WISP_API wisp_status wisp_world_request( wisp_world* world, wisp_entity entity, wisp_component component,
+                                         bool is_requested );
 
-/// Add an entity that is neither strands nor a surface: it has rows in WISP_TABLE_ENTITY alone, for what a module
-/// attaches. @param out receives the entity, null on failure
-WISP_API wisp_status wisp_world_add_empty( wisp_world* world, wisp_entity* out );
-/// The same, with rows in WISP_TABLE_PAIR too. @param pair_count at least 0
+/// Add an entity that is neither strands nor a surface: it has rows in WISP_TABLE_ENTITY, and in WISP_TABLE_PAIR, for what a module
+/// attaches. @param pair_count at least 0 @param out receives the entity, null on failure
 WISP_API wisp_status wisp_world_add_pairs( wisp_world* world, int pair_count, wisp_entity* out );
 /// The host's memory, as the world counts it. Valid as long as the world.
 WISP_API const wisp_allocator* wisp_world_allocator( wisp_world* world );
@@ -588,16 +590,34 @@ WISP_API wisp_status wisp_world_attach( wisp_world* world, wisp_entity entity, w
 WISP_API wisp_status wisp_world_detach( wisp_world* world, wisp_entity entity, wisp_component component );
 WISP_API bool wisp_world_has( const wisp_world* world, wisp_entity entity, wisp_component component );
 
-/// A component that an entity is to have, or not to have.
+/// Whether an entity is to have a component.
+enum
+{
+    WISP_USED = 1,      ///< or true: attached
+    WISP_REQUESTED = 2, ///< its passes run
+};
 typedef struct wisp_component_use
 {
     wisp_component component;
-    bool is_used;
+    int use; ///< or-ed; 0: the entity is to lack it
 } wisp_component_use;
 
-/// Attach what is used, then detach the rest. Without memory nothing changes.
+/// Attach and request what is used, then detach the rest. Without memory nothing changes.
 WISP_API wisp_status wisp_world_set_components( wisp_world* world, wisp_entity entity, const wisp_component_use* all,
                                                 int count );
+/// Give an entity a component with a first row, or null: take it away. @param row values of its first column, size bytes
+WISP_API wisp_status wisp_world_set_row( wisp_world* world, wisp_entity entity, wisp_component component,
+                                         const void* row, size_t size );
+/// Fill the first row of a component, if the entity has it: WISP_FILL( world, entity, component, type, members... ).
+#define WISP_FILL( world, entity, component, type, ... )                                                             \
+    do                                                                                                               \
+    {                                                                                                                \
+        type* const row_ = wisp_world_column( world, entity, component, 0 );                                         \
+        if ( row_ != NULL )                                                                                          \
+        {                                                                                                            \
+            *row_ = ( type ){ __VA_ARGS__ };                                                                         \
+        }                                                                                                            \
+    } while ( 0 )
 /// Coarse sheets of a surface forget how it moved and find their masses again, before the next step. Call it where a module
 /// changes masses, pins or velocities from outside a step. A surface without coarse sheets is left as it is.
 WISP_API void wisp_world_restart_levels( wisp_world* world, wisp_entity surface );
