@@ -674,9 +674,7 @@ const char* wisp_world_isa( const wisp_world* world )
 
 wisp_status wisp_read_substeps( wisp_world* world, wisp_entity entity, int* out )
 {
-    WISP_TRY( wisp_world_begin( world ) );
-    WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
-    *out = 0;
+    WISP_TRY( wisp_world_begin_read( world, out, sizeof( *out ) ) );
     WISP_TRY( wisp_world_check_entity( world, entity ) );
     WISP_TRY( compile_if_changed( world ) );
     *out = plan_substeps_of_rate( &world->registry,
@@ -687,9 +685,7 @@ wisp_status wisp_read_substeps( wisp_world* world, wisp_entity entity, int* out 
 
 wisp_status wisp_world_explain( wisp_world* world, wisp_plan_info** out )
 {
-    WISP_TRY( wisp_world_begin( world ) );
-    WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
-    *out = NULL;
+    WISP_TRY( wisp_world_begin_read( world, out, sizeof( *out ) ) );
     WISP_TRY( compile_if_changed( world ) );
     *out = plan_explain( &world->plan, &world->registry, world->registry.substeps, world->frame.iterations );
     return *out != NULL ? WISP_OK : wisp_world_fail( world, WISP_NO_MEMORY, "out of memory to explain the plan" );

@@ -494,17 +494,6 @@ wisp_status world_find_surface( wisp_world* world, wisp_entity entity, store_ent
     return WISP_OK;
 }
 
-wisp_status wisp_world_surface_state( wisp_world* world, const char* module, wisp_entity surface, void** state )
-{
-    *state = wisp_world_module_state( world, module );
-    if ( *state == NULL )
-    {
-        return wisp_world_fail( world, WISP_CONFLICT, "module %s: not registered in this world", module );
-    }
-    store_entity* e;
-    return world_find_surface( world, surface, &e );
-}
-
 void wisp_world_share_samples( wisp_world* world, wisp_entity surface, const struct wisp_samples* samples )
 {
     store_entity* e = store_find( &world->store, surface );
@@ -659,9 +648,7 @@ wisp_status wisp_set_strain_limit( wisp_world* world, wisp_entity surface, float
 
 wisp_status wisp_read_motion_stats( wisp_world* world, wisp_entity entity, wisp_motion_stats* out )
 {
-    WISP_TRY( wisp_world_begin( world ) );
-    WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
-    *out = ( wisp_motion_stats ){ 0 };
+    WISP_TRY( wisp_world_begin_read( world, out, sizeof( *out ) ) );
     WISP_TRY( wisp_world_check_entity( world, entity ) );
     const store_entity* e = store_find( &world->store, entity );
     const wisp_motion_stats* column = store_column( &world->store, e, WISP_MOTION_STATS, 0 );

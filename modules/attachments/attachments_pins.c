@@ -167,11 +167,9 @@ static void attach_all( wisp_world* world, wisp_entity surface, const int32_t* v
 static wisp_status begin( wisp_world* world, wisp_entity surface, const int32_t* vertices, int count,
                           attachments_state** state )
 {
-    WISP_TRY( wisp_world_check_entity( world, surface ) );
-    WISP_TRY( wisp_world_check_list( world, "vertices", vertices, count ) );
-    void* found;
-    WISP_TRY( wisp_world_surface_state( world, "attachments", surface, &found ) );
+    WISP_FIND_STATE( attachments_state, found, world, "attachments", &surface, WISP_IS_SURFACE );
     *state = found;
+    WISP_TRY( wisp_world_check_list( world, "vertices", vertices, count ) );
     return check_vertices( world, wisp_world_fabric( world, surface ), vertices, count );
 }
 
