@@ -385,6 +385,11 @@ static wisp_status compile_if_changed( wisp_world* world )
 {
     if ( world->plan.structure == world->store.structure && world->plan_is_stale == false )
     {
+        if ( world->rates_are_stale )
+        {
+            plan_update_rates( &world->plan, &world->registry );
+            world->rates_are_stale = false;
+        }
         return WISP_OK;
     }
     WISP_TRY( plan_registry_planning( &world->registry, world ) );
@@ -397,7 +402,7 @@ static wisp_status compile_if_changed( wisp_world* world )
         world->plan_is_stale = true;
         return wisp_world_fail( world, status, "%s", error.message );
     }
-    world->plan_is_stale = false;
+    world->plan_is_stale = world->rates_are_stale = false;
     world->plan_is_new = world->plan_is_new || has_other_rows;
     plan_registry_planned( &world->registry, world );
     return WISP_OK;

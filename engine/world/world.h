@@ -59,8 +59,9 @@ struct wisp_world
     store store;
     wisp_registry registry;
     plan plan;
-    bool plan_is_stale; // although entities and components are those of the plan
-    bool plan_is_new;   // no step was made with it
+    bool plan_is_stale;   // although entities and components are those of the plan
+    bool rates_are_stale; // substeps of entities alone
+    bool plan_is_new;     // no step was made with it
     jobs_pool* pool;
     wisp_frame frame;
     step_clock clock;

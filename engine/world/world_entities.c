@@ -212,7 +212,7 @@ wisp_status wisp_set_substeps( wisp_world* world, wisp_entity entity, int subste
         return wisp_world_fail( world, WISP_BAD_INPUT, "substeps: got %d, expected 0 to %d", substeps,
                                 WORLD_MAX_SUBSTEPS );
     }
-    world->plan_is_stale = world->plan_is_stale || e->substeps != substeps; // rows stay where they are
+    world->rates_are_stale = world->rates_are_stale || e->substeps != substeps;
     e->substeps = substeps;
     return WISP_OK;
 }
