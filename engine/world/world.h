@@ -92,7 +92,7 @@ void world_place( wisp_world* world, wisp_entity entity, wisp_transform pose );
 
 /// Fail because the handle names no entity.
 wisp_status world_stale( wisp_world* world, wisp_entity entity );
-/// Find a surface.
+/// Begin a call on a surface.
 /// @return WISP_STALE_ID; WISP_CONFLICT the entity is not a surface
 wisp_status world_find_surface( wisp_world* world, wisp_entity entity, store_entity** out );
 
