@@ -764,6 +764,13 @@ wisp_status plan_compile( plan* p, wisp_registry* r, wisp_error* error )
     return WISP_OK;
 }
 
+void plan_update_rates( plan* p, const wisp_registry* r )
+{
+    plan_find_splits( p, r );
+    plan_fill_entity_loops( p, r ); // as many as before
+    p->hash = hash_plan( p, r );
+}
+
 wisp_status plan_end_step( const plan* p, const wisp_registry* r, wisp_world* world )
 {
     for ( int i = 0; i < p->acting_count; ++i )

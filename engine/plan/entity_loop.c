@@ -182,6 +182,10 @@ void plan_fill_entity_loops( plan* p, const wisp_registry* r )
     p->loop_count = p->loop_group_count = 0;
     for ( int slot = 0; slot < r->store->entity_count; ++slot )
     {
+        p->entities[slot].listed = false;
+    }
+    for ( int slot = 0; slot < r->store->entity_count; ++slot )
+    {
         if ( p->entities[slot].loops && p->entities[slot].listed == false )
         {
             append_group( p, r, slot, entities );

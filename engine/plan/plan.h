@@ -288,6 +288,8 @@ typedef struct plan
 /// Compile for the current store, and attach the rows that selected passes exchange. On failure the plan is empty
 /// and the message names pass and component.
 wisp_status plan_compile( plan* p, wisp_registry* r, wisp_error* error );
+/// Give entities of a compiled plan the substeps that they ask for now: passes, rows and targets do not depend on them.
+void plan_update_rates( plan* p, const wisp_registry* r );
 void plan_release( plan* p, const wisp_allocator* allocator );
 /// Return the bytes of its arrays.
 size_t plan_memory( const plan* p );

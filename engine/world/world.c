@@ -385,6 +385,11 @@ static wisp_status compile_if_changed( wisp_world* world )
 {
     if ( world->plan.structure == world->store.structure && world->plan_is_stale == false )
     {
+        if ( world->rates_are_stale )
+        {
+            plan_update_rates( &world->plan, &world->registry );
+            world->rates_are_stale = false;
+        }
         return WISP_OK;
     }
     WISP_TRY( plan_registry_planning( &world->registry, world ) );
@@ -397,7 +402,7 @@ static wisp_status compile_if_changed( wisp_world* world )
         world->plan_is_stale = true;
         return wisp_world_fail( world, status, "%s", error.message );
     }
-    world->plan_is_stale = false;
+    world->plan_is_stale = world->rates_are_stale = false;
     world->plan_is_new = world->plan_is_new || has_other_rows;
     plan_registry_planned( &world->registry, world );
     return WISP_OK;
@@ -674,9 +679,7 @@ const char* wisp_world_isa( const wisp_world* world )
 
 wisp_status wisp_read_substeps( wisp_world* world, wisp_entity entity, int* out )
 {
-    WISP_TRY( wisp_world_begin( world ) );
-    WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
-    *out = 0;
+    WISP_TRY( wisp_world_begin_read( world, out, sizeof( *out ) ) );
     WISP_TRY( wisp_world_check_entity( world, entity ) );
     WISP_TRY( compile_if_changed( world ) );
     *out = plan_substeps_of_rate( &world->registry,
@@ -687,9 +690,7 @@ wisp_status wisp_read_substeps( wisp_world* world, wisp_entity entity, int* out 
 
 wisp_status wisp_world_explain( wisp_world* world, wisp_plan_info** out )
 {
-    WISP_TRY( wisp_world_begin( world ) );
-    WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
-    *out = NULL;
+    WISP_TRY( wisp_world_begin_read( world, out, sizeof( *out ) ) );
     WISP_TRY( compile_if_changed( world ) );
     *out = plan_explain( &world->plan, &world->registry, world->registry.substeps, world->frame.iterations );
     return *out != NULL ? WISP_OK : wisp_world_fail( world, WISP_NO_MEMORY, "out of memory to explain the plan" );

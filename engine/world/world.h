@@ -59,8 +59,9 @@ struct wisp_world
     store store;
     wisp_registry registry;
     plan plan;
-    bool plan_is_stale; // although entities and components are those of the plan
-    bool plan_is_new;   // no step was made with it
+    bool plan_is_stale;   // although entities and components are those of the plan
+    bool rates_are_stale; // substeps of entities alone
+    bool plan_is_new;     // no step was made with it
     jobs_pool* pool;
     wisp_frame frame;
     step_clock clock;
@@ -91,7 +92,7 @@ void world_place( wisp_world* world, wisp_entity entity, wisp_transform pose );
 
 /// Fail because the handle names no entity.
 wisp_status world_stale( wisp_world* world, wisp_entity entity );
-/// Find a surface.
+/// Begin a call on a surface.
 /// @return WISP_STALE_ID; WISP_CONFLICT the entity is not a surface
 wisp_status world_find_surface( wisp_world* world, wisp_entity entity, store_entity** out );
 

@@ -160,8 +160,8 @@ static wisp_detail_frame frame_of( const passes_detail* d, int asked )
 static void show( wisp_world* world, store_entity* e, const passes_detail* d )
 {
     const wisp_detail_frame detail = frame_of( d, asked_substeps( world, e ) );
-    world->plan_is_stale =
-        world->plan_is_stale || detail.level != e->detail.level || detail.max_substeps != e->detail.max_substeps;
+    world->plan_is_stale = world->plan_is_stale || detail.level != e->detail.level;
+    world->rates_are_stale = world->rates_are_stale || detail.max_substeps != e->detail.max_substeps;
     e->detail = detail;
 }
 

@@ -70,6 +70,33 @@ wisp_status wisp_world_check_entity( wisp_world* world, wisp_entity entity )
     return store_find( &world->store, entity ) != NULL ? WISP_OK : world_stale( world, entity );
 }
 
+wisp_status wisp_world_find_state( wisp_world* world, const char* module, const wisp_entity* entity, unsigned kinds,
+                                   void** state )
+{
+    WISP_TRY( entity != NULL ? wisp_world_check_entity( world, *entity ) : wisp_world_begin( world ) );
+    *state = plan_registry_state( &world->registry, module );
+    if ( *state == NULL )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "module %s: not registered in this world", module );
+    }
+    store_entity* e = kinds != 0 ? store_find( &world->store, *entity ) : NULL;
+    if ( kinds == 0 || ( ( kinds & WISP_IS_STRANDS ) != 0 && e->strands != NULL ) )
+    {
+        return WISP_OK;
+    }
+    return ( kinds & WISP_IS_SURFACE ) != 0
+               ? world_find_surface( world, *entity, &e )
+               : wisp_world_fail( world, WISP_CONFLICT, "entity %u: has no strands", entity->index );
+}
+
+wisp_status wisp_world_begin_read( wisp_world* world, void* out, size_t size )
+{
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
+    memset( out, 0, size );
+    return WISP_OK;
+}
+
 wisp_status wisp_world_check_pointer( wisp_world* world, const char* name, const void* pointer )
 {
     return pointer != NULL ? WISP_OK : wisp_world_fail( world, WISP_BAD_INPUT, "%s: got null", name );
@@ -185,7 +212,7 @@ wisp_status wisp_set_substeps( wisp_world* world, wisp_entity entity, int subste
         return wisp_world_fail( world, WISP_BAD_INPUT, "substeps: got %d, expected 0 to %d", substeps,
                                 WORLD_MAX_SUBSTEPS );
     }
-    world->plan_is_stale = world->plan_is_stale || e->substeps != substeps; // rows stay where they are
+    world->rates_are_stale = world->rates_are_stale || e->substeps != substeps;
     e->substeps = substeps;
     return WISP_OK;
 }
@@ -411,9 +438,7 @@ static wisp_status user_rows( const wisp_world* world, wisp_entity entity, wisp_
 
 wisp_status wisp_world_view( wisp_world* world, wisp_entity entity, wisp_component component, wisp_view* out )
 {
-    WISP_TRY( wisp_world_begin( world ) );
-    WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
-    *out = ( wisp_view ){ 0 };
+    WISP_TRY( wisp_world_begin_read( world, out, sizeof( *out ) ) );
     WISP_TRY( wisp_world_check_entity( world, entity ) );
     wisp_error error = { 0 };
     wisp_status status = user_rows( world, entity, component, out, &error );
@@ -428,9 +453,7 @@ wisp_status wisp_world_view( wisp_world* world, wisp_entity entity, wisp_compone
 
 wisp_status wisp_world_hash_column( wisp_world* world, wisp_entity entity, wisp_component component, uint64_t* out )
 {
-    WISP_TRY( wisp_world_begin( world ) );
-    WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
-    *out = 0;
+    WISP_TRY( wisp_world_begin_read( world, out, sizeof( *out ) ) );
     WISP_TRY( wisp_world_check_entity( world, entity ) );
     wisp_view view;
     wisp_error error = { 0 };

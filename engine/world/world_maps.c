@@ -206,7 +206,6 @@ static wisp_status check_use( wisp_world* world, const store_entity* e, wisp_ent
 
 static wisp_status begin_map( wisp_world* world, wisp_entity surface, wisp_component map, store_entity** out )
 {
-    WISP_TRY( wisp_world_check_entity( world, surface ) );
     WISP_TRY( world_find_surface( world, surface, out ) );
     return is_map( map ) ? WISP_OK
                          : wisp_world_fail( world, WISP_BAD_INPUT, "map: component %d is not a map", (int)map );

@@ -205,8 +205,7 @@ static wisp_status move_rows_of_edges( wisp_world* world, wisp_entity surface, s
 wisp_status wisp_world_change_triangles( wisp_world* world, wisp_entity surface, const int32_t* triangles,
                                          const int32_t* parents )
 {
-    store_entity* e;
-    WISP_TRY( world_find_surface( world, surface, &e ) );
+    store_entity* e = store_find( &world->store, surface );
     wisp_fabric *from = (wisp_fabric*)(void*)e->fabric, *to;
     wisp_error error = { 0 };
     wisp_status status = fabric_change_triangles( from, triangles, parents, &world->allocator, &to, &error );
@@ -245,7 +244,6 @@ wisp_status wisp_world_change_triangles( wisp_world* world, wisp_entity surface,
 
 wisp_status wisp_read_triangles( wisp_world* world, wisp_entity surface, int32_t* out, int count )
 {
-    WISP_TRY( wisp_world_check_entity( world, surface ) );
     store_entity* e;
     WISP_TRY( world_find_surface( world, surface, &e ) );
     WISP_TRY( wisp_world_check_list( world, "out", out, count ) );
@@ -481,28 +479,14 @@ wisp_status world_add_surface_instance( wisp_world* world, wisp_entity source_en
 
 wisp_status world_find_surface( wisp_world* world, wisp_entity entity, store_entity** out )
 {
+    WISP_TRY( wisp_world_check_entity( world, entity ) );
     *out = store_find( &world->store, entity );
-    if ( *out == NULL )
-    {
-        return world_stale( world, entity );
-    }
     if ( ( *out )->fabric == NULL )
     {
         return wisp_world_fail( world, WISP_CONFLICT, "entity %u: is not a surface%s", entity.index,
                                 ( *out )->strands != NULL ? ": it has strands" : "" );
     }
     return WISP_OK;
-}
-
-wisp_status wisp_world_surface_state( wisp_world* world, const char* module, wisp_entity surface, void** state )
-{
-    *state = wisp_world_module_state( world, module );
-    if ( *state == NULL )
-    {
-        return wisp_world_fail( world, WISP_CONFLICT, "module %s: not registered in this world", module );
-    }
-    store_entity* e;
-    return world_find_surface( world, surface, &e );
 }
 
 void wisp_world_share_samples( wisp_world* world, wisp_entity surface, const struct wisp_samples* samples )
@@ -526,10 +510,9 @@ void wisp_world_restart_levels( wisp_world* world, wisp_entity surface )
 static wisp_status set_pinned( wisp_world* world, wisp_entity surface, const int32_t* vertices, int count,
                                bool pinned )
 {
-    WISP_TRY( wisp_world_check_entity( world, surface ) );
-    WISP_TRY( wisp_world_check_list( world, "vertices", vertices, count ) );
     store_entity* e;
     WISP_TRY( world_find_surface( world, surface, &e ) );
+    WISP_TRY( wisp_world_check_list( world, "vertices", vertices, count ) );
     WISP_TRY( check_vertices( world, e->fabric, vertices, count ) );
     float* position = store_column( &world->store, e, WISP_PARTICLE_POSITION, 0 );
     float* velocity = store_column( &world->store, e, WISP_PARTICLE_VELOCITY, 0 );
@@ -579,11 +562,10 @@ static wisp_status check_pinned( wisp_world* world, const store_entity* e, const
 wisp_status wisp_move_pins( wisp_world* world, wisp_entity surface, const int32_t* vertices, const wisp_vec3* targets,
                             int count )
 {
-    WISP_TRY( wisp_world_check_entity( world, surface ) );
-    WISP_TRY( wisp_world_check_list( world, "vertices", vertices, count ) );
-    WISP_TRY( wisp_world_check_list( world, "targets", targets, count ) );
     store_entity* e;
     WISP_TRY( world_find_surface( world, surface, &e ) );
+    WISP_TRY( wisp_world_check_list( world, "vertices", vertices, count ) );
+    WISP_TRY( wisp_world_check_list( world, "targets", targets, count ) );
     WISP_TRY( check_vertices( world, e->fabric, vertices, count ) );
     WISP_TRY( check_vertex_places( world, targets, count, "target" ) );
     WISP_TRY( check_pinned( world, e, vertices, count ) );
@@ -603,36 +585,30 @@ wisp_status wisp_move_pins( wisp_world* world, wisp_entity surface, const int32_
 
 // ---- properties of all effects ----
 
-// Give a surface a value, or null where that is the neutral one: no value, no pass.
-static wisp_status set_value( wisp_world* world, wisp_entity surface, wisp_component component, const void* value,
-                              size_t size )
+wisp_status wisp_set_gravity( wisp_world* world, wisp_entity surface, wisp_vec3 gravity )
 {
     store_entity* e;
     WISP_TRY( world_find_surface( world, surface, &e ) );
-    return wisp_world_set_row( world, surface, component, value, size );
-}
-
-wisp_status wisp_set_gravity( wisp_world* world, wisp_entity surface, wisp_vec3 gravity )
-{
-    WISP_TRY( wisp_world_check_entity( world, surface ) );
     WISP_TRY( wisp_world_check_values( world, &wisp_surface_def_fields, "gravity", &gravity, 1, NULL ) );
-    return set_value( world, surface, WISP_PARTICLE_GRAVITY, wisp_v3_length( gravity ) > 0.0f ? &gravity : NULL,
-                      sizeof( gravity ) );
+    return wisp_world_set_row( world, surface, WISP_PARTICLE_GRAVITY,
+                               wisp_v3_length( gravity ) > 0.0f ? &gravity : NULL, sizeof( gravity ) );
 }
 
 wisp_status wisp_set_damping( wisp_world* world, wisp_entity surface, float rate )
 {
-    WISP_TRY( wisp_world_check_entity( world, surface ) );
+    store_entity* e;
+    WISP_TRY( world_find_surface( world, surface, &e ) );
     if ( !( rate >= 0.0f && rate <= 1e9f ) )
     {
         return wisp_world_fail( world, WISP_BAD_INPUT, "damping: got %g 1/s, expected 0 to 1e9", (double)rate );
     }
-    return set_value( world, surface, WISP_PARTICLE_DAMPING, rate > 0.0f ? &rate : NULL, sizeof( rate ) );
+    return wisp_world_set_row( world, surface, WISP_PARTICLE_DAMPING, rate > 0.0f ? &rate : NULL, sizeof( rate ) );
 }
 
 wisp_status wisp_set_strain_limit( wisp_world* world, wisp_entity surface, float minimum, float maximum )
 {
-    WISP_TRY( wisp_world_check_entity( world, surface ) );
+    store_entity* e;
+    WISP_TRY( world_find_surface( world, surface, &e ) );
     if ( !( minimum >= 0.0f && minimum <= 1.0f && maximum >= 1.0f ) )
     {
         return wisp_world_fail( world, WISP_BAD_INPUT,
@@ -646,7 +622,7 @@ wisp_status wisp_set_strain_limit( wisp_world* world, wisp_entity surface, float
                                 "entity %u: has an external solver, which does not support strain limits",
                                 surface.index );
     }
-    WISP_TRY( set_value( world, surface, WISP_LINK_LIMIT, requested ? &minimum : NULL, sizeof( minimum ) ) );
+    WISP_TRY( wisp_world_set_row( world, surface, WISP_LINK_LIMIT, requested ? &minimum : NULL, sizeof( minimum ) ) );
     float* column = wisp_world_column( world, surface, WISP_LINK_LIMIT, 1 );
     if ( column != NULL )
     {
@@ -659,9 +635,7 @@ wisp_status wisp_set_strain_limit( wisp_world* world, wisp_entity surface, float
 
 wisp_status wisp_read_motion_stats( wisp_world* world, wisp_entity entity, wisp_motion_stats* out )
 {
-    WISP_TRY( wisp_world_begin( world ) );
-    WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
-    *out = ( wisp_motion_stats ){ 0 };
+    WISP_TRY( wisp_world_begin_read( world, out, sizeof( *out ) ) );
     WISP_TRY( wisp_world_check_entity( world, entity ) );
     const store_entity* e = store_find( &world->store, entity );
     const wisp_motion_stats* column = store_column( &world->store, e, WISP_MOTION_STATS, 0 );

@@ -27,7 +27,6 @@ static wisp_vec3 centre_of( const wisp_fabric* fabric, const float* position )
 
 wisp_status wisp_set_velocity( wisp_world* world, wisp_entity surface, wisp_vec3 linear, wisp_vec3 angular )
 {
-    WISP_TRY( wisp_world_check_entity( world, surface ) );
     store_entity* e;
     WISP_TRY( world_find_surface( world, surface, &e ) );
     if ( !( wisp_v3_length( linear ) <= 1e6f && wisp_v3_length( angular ) <= 1e6f ) )
@@ -77,11 +76,10 @@ static wisp_status check_velocities( wisp_world* world, const wisp_fabric* fabri
 wisp_status wisp_set_vertex_velocities( wisp_world* world, wisp_entity surface, const int32_t* vertices,
                                         const wisp_vec3* velocities, int count )
 {
-    WISP_TRY( wisp_world_check_entity( world, surface ) );
-    WISP_TRY( wisp_world_check_list( world, "vertices", vertices, count ) );
-    WISP_TRY( wisp_world_check_list( world, "velocities", velocities, count ) );
     store_entity* e;
     WISP_TRY( world_find_surface( world, surface, &e ) );
+    WISP_TRY( wisp_world_check_list( world, "vertices", vertices, count ) );
+    WISP_TRY( wisp_world_check_list( world, "velocities", velocities, count ) );
     WISP_TRY( check_velocities( world, e->fabric, vertices, velocities, count ) );
     const float* position = store_column( &world->store, e, WISP_PARTICLE_POSITION, 0 );
     float* velocity = wisp_world_column( world, surface, WISP_PARTICLE_VELOCITY, 0 );
@@ -158,7 +156,6 @@ static void add_gust( const wisp_fabric* fabric, wisp_vec3 gust, const int32_t* 
 
 wisp_status wisp_apply_gust( wisp_world* world, wisp_entity surface, wisp_vec3 gust, bool per_triangle )
 {
-    WISP_TRY( wisp_world_check_entity( world, surface ) );
     store_entity* e;
     WISP_TRY( world_find_surface( world, surface, &e ) );
     if ( !( wisp_v3_length( gust ) <= 1e6f ) )

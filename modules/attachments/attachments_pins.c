@@ -153,7 +153,7 @@ static void attach_all( wisp_world* world, wisp_entity surface, const int32_t* v
         const wisp_anchor at = wisp_find_anchor( mesh, pin );
         if ( at.triangle >= 0 )
         {
-            wisp_vec3 r[3];
+            wisp_vec3 r[3] = { { 0.0f, 0.0f, 0.0f } };
             const wisp_triangle t = wisp_triangle_of( theirs, particles, at.triangle );
             const wisp_vec3 away = wisp_v3_sub( pin, wisp_triangle_point( &t, at.weights ) );
             const bool is_framed = wisp_triangle_axes( &t, r );
@@ -167,11 +167,9 @@ static void attach_all( wisp_world* world, wisp_entity surface, const int32_t* v
 static wisp_status begin( wisp_world* world, wisp_entity surface, const int32_t* vertices, int count,
                           attachments_state** state )
 {
-    WISP_TRY( wisp_world_check_entity( world, surface ) );
-    WISP_TRY( wisp_world_check_list( world, "vertices", vertices, count ) );
-    void* found;
-    WISP_TRY( wisp_world_surface_state( world, "attachments", surface, &found ) );
+    WISP_FIND_STATE( attachments_state, found, world, "attachments", &surface, WISP_IS_SURFACE );
     *state = found;
+    WISP_TRY( wisp_world_check_list( world, "vertices", vertices, count ) );
     return check_vertices( world, wisp_world_fabric( world, surface ), vertices, count );
 }
 
@@ -182,7 +180,6 @@ wisp_status wisp_attach_pins( wisp_world* world, wisp_entity surface, const int3
     WISP_TRY( begin( world, surface, vertices, count, &state ) );
     WISP_TRY( wisp_world_check_entity( world, to ) );
     WISP_TRY( check_pair( world, state, surface, to ) );
-    wisp_world_tie( world, to, surface );
     wisp_collision_mesh* mesh;
     WISP_TRY( wisp_world_build_mesh( world, to, &mesh ) );
     const wisp_component_use uses[] = { { WISP_PARTICLE_TARGET, true }, { state->place, true } };
@@ -191,6 +188,7 @@ wisp_status wisp_attach_pins( wisp_world* world, wisp_entity surface, const int3
     status = status == WISP_OK ? wisp_world_request( world, to, WISP_PARTICLE_POSITION, true ) : status; // has it
     if ( status == WISP_OK )
     {
+        wisp_world_tie( world, to, surface );
         attach_all( world, surface, vertices, count, to, mesh, wisp_world_column( world, surface, state->place, 0 ) );
     }
     wisp_collision_mesh_release( mesh );

@@ -266,8 +266,7 @@ wisp_status wisp_set_balloon( wisp_world* world, wisp_entity surface, const wisp
     wisp_balloon_def values;
     const wisp_balloon_def* def = &values;
     WISP_TRY( wisp_world_begin_def( world, &surface, &wisp_balloon_def_fields, &values, given ) );
-    const balloon_state* state;
-    WISP_TRY( balloon_find_state( world, surface, &state ) );
+    WISP_FIND_STATE( const balloon_state, state, world, "balloon", &surface, WISP_IS_SURFACE );
     WISP_TRY( check_alone( world, surface ) );
     WISP_TRY( check_gas( world, def ) );
     WISP_TRY( check_outlet( world, wisp_world_fabric( world, surface ), def ) );

@@ -100,9 +100,6 @@ typedef struct balloon_loops
     int count;             // capacity, not vertices
 } balloon_loops;
 
-// balloon_module.c
-wisp_status balloon_find_state( wisp_world* world, wisp_entity surface, const balloon_state** out );
-
 // balloon_border.c
 /// Name the first open edge in the error. Always WISP_BAD_INPUT on an open mesh.
 wisp_status balloon_refuse_open( wisp_world* world, const wisp_fabric* f );

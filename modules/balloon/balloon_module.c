@@ -152,23 +152,13 @@ const wisp_module wisp_balloon_module = { .name = "balloon", .declare = declare 
 
 // ---- public functions ----
 
-wisp_status balloon_find_state( wisp_world* world, wisp_entity surface, const balloon_state** out )
-{
-    void* state;
-    wisp_status status = wisp_world_surface_state( world, "balloon", surface, &state );
-    *out = state;
-    return status;
-}
-
 static wisp_status find_balloon( wisp_world* world, wisp_entity balloon, const balloon_state** out )
 {
-    WISP_TRY( wisp_world_check_entity( world, balloon ) );
-    wisp_status status = balloon_find_state( world, balloon, out );
-    if ( status == WISP_OK && wisp_world_has( world, balloon, ( *out )->gas ) == false )
-    {
-        return wisp_world_fail( world, WISP_CONFLICT, "entity %u: is not a balloon", balloon.index );
-    }
-    return status;
+    WISP_FIND_STATE( const balloon_state, state, world, "balloon", &balloon, WISP_IS_SURFACE );
+    *out = state;
+    return wisp_world_has( world, balloon, state->gas )
+               ? WISP_OK
+               : wisp_world_fail( world, WISP_CONFLICT, "entity %u: is not a balloon", balloon.index );
 }
 
 wisp_status wisp_set_balloon_gas_ratio( wisp_world* world, wisp_entity balloon, float fill_fraction )
@@ -216,9 +206,7 @@ wisp_status wisp_request_balloon_stats( wisp_world* world, wisp_entity balloon, 
 
 wisp_status wisp_read_balloon_stats( wisp_world* world, wisp_entity balloon, wisp_balloon_stats* out )
 {
-    WISP_TRY( wisp_world_begin( world ) );
-    WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
-    *out = ( wisp_balloon_stats ){ 0 };
+    WISP_TRY( wisp_world_begin_read( world, out, sizeof( *out ) ) );
     const balloon_state* state;
     WISP_TRY( find_balloon( world, balloon, &state ) );
     const wisp_balloon_stats* stats = wisp_world_column( world, balloon, state->stats, 0 );

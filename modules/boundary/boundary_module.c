@@ -189,14 +189,6 @@ static void forget_counts( wisp_world* world, wisp_entity surface, const boundar
 
 // ---- public functions ----
 
-static wisp_status find_state( wisp_world* world, wisp_entity surface, boundary_state** out )
-{
-    void* state;
-    wisp_status status = wisp_world_surface_state( world, "boundary", surface, &state );
-    *out = state;
-    return status;
-}
-
 // Keep an existing layer, with its points until the next sampling.
 static wisp_status provide_layer( wisp_world* world, wisp_entity surface, boundary_state* state,
                                   boundary_layer** out )
@@ -217,8 +209,7 @@ wisp_status wisp_set_boundary( wisp_world* world, wisp_entity surface, const wis
     wisp_boundary_def values;
     const wisp_boundary_def* def = &values;
     WISP_TRY( wisp_world_begin_def( world, &surface, &wisp_boundary_def_fields, &values, given ) );
-    boundary_state* state;
-    WISP_TRY( find_state( world, surface, &state ) );
+    WISP_FIND_STATE( boundary_state, state, world, "boundary", &surface, WISP_IS_SURFACE );
     WISP_TRY( wisp_world_need_fabric( world, surface, WISP_FABRIC_EDGES | WISP_FABRIC_RINGS ) );
     const boundary_settings settings = fill_settings( def, wisp_world_rest_lengths( world, surface ).mean );
     const bool local = def->curvature_gain > 0.0f || def->strain_gain != 0.0f || def->eye_angle > 0.0f;
@@ -245,22 +236,11 @@ wisp_status wisp_set_boundary( wisp_world* world, wisp_entity surface, const wis
 
 wisp_status wisp_unset_boundary( wisp_world* world, wisp_entity surface )
 {
-    WISP_TRY( wisp_world_check_entity( world, surface ) );
-    boundary_state* state;
-    WISP_TRY( find_state( world, surface, &state ) );
+    WISP_FIND_STATE( boundary_state, state, world, "boundary", &surface, WISP_IS_SURFACE );
     WISP_TRY( set_components( world, surface, state, false, false ) );
     wisp_world_share_samples( world, surface, NULL );
     wisp_set_object( state->layers, surface, NULL );
     return WISP_OK;
-}
-
-static wisp_status find_layer( wisp_world* world, wisp_entity surface, boundary_state** state, boundary_layer** out )
-{
-    wisp_status status = find_state( world, surface, state );
-    *out = status == WISP_OK ? wisp_find_object( ( *state )->layers, surface ) : NULL;
-    return status == WISP_OK && *out == NULL
-               ? wisp_world_fail( world, WISP_CONFLICT, "boundary: entity %u has no layer", surface.index )
-               : status;
 }
 
 // What the passes of the layer write: columns of edges, of triangles, and the normals.
@@ -323,9 +303,11 @@ static wisp_status make_early( wisp_world* world, wisp_entity surface, boundary_
 
 static wisp_status find_made( wisp_world* world, wisp_entity surface, boundary_layer** out )
 {
-    boundary_state* state;
-    const wisp_status status = find_layer( world, surface, &state, out );
-    return status == WISP_OK && ( *out )->made == false ? make_early( world, surface, state, *out ) : status;
+    WISP_FIND_STATE( boundary_state, state, world, "boundary", &surface, WISP_IS_SURFACE );
+    *out = wisp_find_object( state->layers, surface );
+    return *out == NULL ? wisp_world_fail( world, WISP_CONFLICT, "boundary: entity %u has no layer", surface.index )
+           : ( *out )->made ? WISP_OK
+                            : make_early( world, surface, state, *out );
 }
 
 // Return the points as the host reads them; null without memory.
@@ -357,28 +339,22 @@ static const wisp_samples* show( wisp_world* world, boundary_layer* layer )
 
 wisp_status wisp_read_boundary( wisp_world* world, wisp_entity surface, wisp_boundary_view* out )
 {
-    WISP_TRY( wisp_world_begin( world ) );
-    WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
-    *out = ( wisp_boundary_view ){ 0 };
-    WISP_TRY( wisp_world_check_entity( world, surface ) );
+    WISP_TRY( wisp_world_begin_read( world, out, sizeof( *out ) ) );
     boundary_layer* layer;
-    wisp_status status = find_made( world, surface, &layer );
-    const wisp_samples* samples = status == WISP_OK ? show( world, layer ) : NULL;
-    if ( status == WISP_OK && samples == NULL )
+    WISP_TRY( find_made( world, surface, &layer ) );
+    const wisp_samples* samples = show( world, layer );
+    if ( samples == NULL )
     {
         return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for %d boundary particles",
                                 layer->samples.count );
     }
-    if ( status == WISP_OK )
-    {
-        *out = ( wisp_boundary_view ){
-            .samples = samples,
-            .edge_count = layer->edge_count,
-            .edges = layer->edges,
-            .slot_vertex = wisp_world_fabric( world, surface )->slot_vertex,
-        };
-    }
-    return status;
+    *out = ( wisp_boundary_view ){
+        .samples = samples,
+        .edge_count = layer->edge_count,
+        .edges = layer->edges,
+        .slot_vertex = wisp_world_fabric( world, surface )->slot_vertex,
+    };
+    return WISP_OK;
 }
 
 static size_t bytes_of( const boundary_layer* layer )
@@ -393,10 +369,7 @@ static size_t bytes_of( const boundary_layer* layer )
 
 wisp_status wisp_read_boundary_stats( wisp_world* world, wisp_entity surface, wisp_boundary_stats* out )
 {
-    WISP_TRY( wisp_world_begin( world ) );
-    WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
-    *out = ( wisp_boundary_stats ){ 0 };
-    WISP_TRY( wisp_world_check_entity( world, surface ) );
+    WISP_TRY( wisp_world_begin_read( world, out, sizeof( *out ) ) );
     boundary_layer* layer;
     WISP_TRY( find_made( world, surface, &layer ) );
     const wisp_samples* s = &layer->samples;

@@ -275,11 +275,10 @@ const wisp_module wisp_cloth_module = { .name = "cloth", .declare = declare };
 // ---- checks ----
 
 // A membrane has no links, and so no sheets of links either.
-static wisp_status check_membrane( wisp_world* world, wisp_entity surface, const wisp_cloth_def* d )
+static wisp_status check_membrane( wisp_world* world, wisp_entity surface, const wisp_cloth_def* d, bool is_membrane )
 {
     const char* links = d->bending == WISP_CLOTH_BENDING_LINKS ? "bending by links" : "coarse sheets";
-    return wisp_world_has( world, surface, WISP_SURFACE_ELASTIC ) &&
-                   ( d->bending == WISP_CLOTH_BENDING_LINKS || d->coarse_substeps > 0 )
+    return is_membrane && ( d->bending == WISP_CLOTH_BENDING_LINKS || d->coarse_substeps > 0 )
                ? wisp_world_fail( world, WISP_CONFLICT, "cloth: entity %u is a membrane, which has no %s",
                                   surface.index, links )
                : WISP_OK;
@@ -328,10 +327,9 @@ static wisp_status check_alone( wisp_world* world, wisp_entity surface )
 
 // The components of the definition for which the fabric has rows. A mesh too small for a coarse sheet has none, and one
 // without interior edges no hinges.
-static wisp_status set_components( wisp_world* world, wisp_entity surface, const wisp_cloth_def* d,
-                                   const cloth_state* state )
+static wisp_status set_components( wisp_world* world, wisp_entity surface, const wisp_fabric* f,
+                                   const wisp_cloth_def* d, const cloth_state* state )
 {
-    const wisp_fabric* f = wisp_world_fabric( world, surface );
     const bool pbd = d->solver == WISP_SOLVER_PBD, hinged = f->hinge_order.slot_count > 0;
     const bool dihedral = hinged && d->bending == WISP_CLOTH_BENDING_DIHEDRAL;
     const bool isometric = hinged && d->bending == WISP_CLOTH_BENDING_ISOMETRIC;
@@ -381,18 +379,9 @@ static void fill( wisp_world* world, wisp_entity surface, const wisp_cloth_def* 
 
 // ---- public functions ----
 
-static wisp_status find_state( wisp_world* world, wisp_entity surface, cloth_state** out )
-{
-    void* state;
-    wisp_status status = wisp_world_surface_state( world, "cloth", surface, &state );
-    *out = state;
-    return status;
-}
-
 // Says what of a cloth that has asked for coarse sheets none carries.
-static void warn_of_sheets( wisp_world* world, wisp_entity surface )
+static void warn_of_sheets( wisp_world* world, wisp_entity surface, const wisp_fabric* f )
 {
-    const wisp_fabric* f = wisp_world_fabric( world, surface );
     if ( f->level_count == 0 )
     {
         wisp_world_warn(
@@ -414,50 +403,46 @@ wisp_status wisp_set_cloth( wisp_world* world, wisp_entity surface, const wisp_c
     wisp_cloth_def values;
     const wisp_cloth_def* def = &values;
     WISP_TRY( wisp_world_begin_def( world, &surface, &wisp_cloth_def_fields, &values, given ) );
-    cloth_state* state;
-    wisp_status status = find_state( world, surface, &state );
-    status = status == WISP_OK ? check_alone( world, surface ) : status;
-    if ( status == WISP_OK && values.coarse_substeps < 0 )
+    WISP_FIND_STATE( cloth_state, state, world, "cloth", &surface, WISP_IS_SURFACE );
+    WISP_TRY( check_alone( world, surface ) );
+    const wisp_fabric* f = wisp_world_fabric( world, surface );
+    const bool is_xpbd = def->solver == WISP_SOLVER_XPBD,
+               is_membrane = wisp_world_has( world, surface, WISP_SURFACE_ELASTIC );
+    if ( values.coarse_substeps < 0 )
     {
-        const bool has_sheets = wisp_world_fabric( world, surface )->level_count > 0 &&
-                                wisp_world_has( world, surface, WISP_SURFACE_ELASTIC ) == false;
-        values.coarse_substeps = has_sheets && def->solver == WISP_SOLVER_XPBD ? 1 : 0;
+        values.coarse_substeps = f->level_count > 0 && is_membrane == false && is_xpbd ? 1 : 0;
     }
-    status = status == WISP_OK ? check_solver( world, def ) : status;
-    status = status == WISP_OK ? check_membrane( world, surface, def ) : status;
-    status = status == WISP_OK ? check_fabric( world, wisp_world_fabric( world, surface ), def ) : status;
+    WISP_TRY( check_solver( world, def ) );
+    WISP_TRY( check_membrane( world, surface, def, is_membrane ) );
+    WISP_TRY( check_fabric( world, f, def ) );
     const bool bends =
-        status == WISP_OK && wisp_world_fabric( world, surface )->hinge_order.slot_count > 0 &&
-        def->solver == WISP_SOLVER_XPBD &&
+        f->hinge_order.slot_count > 0 && is_xpbd &&
         ( def->bending == WISP_CLOTH_BENDING_DIHEDRAL || def->bending == WISP_CLOTH_BENDING_ISOMETRIC );
-    const bool had_sheets = status == WISP_OK && wisp_world_has( world, surface, WISP_SURFACE_LEVELS );
-    const bool keeps_plate = status != WISP_OK || wisp_find_object( state->plates, surface ) != NULL;
-    status = bends ? cloth_add_plate( world, state, surface, def->bending == WISP_CLOTH_BENDING_DIHEDRAL ) : status;
-    status = status == WISP_OK ? set_components( world, surface, def, state ) : status;
+    const bool had_sheets = wisp_world_has( world, surface, WISP_SURFACE_LEVELS );
+    const bool keeps_plate = wisp_find_object( state->plates, surface ) != NULL;
+    wisp_status status =
+        bends ? cloth_add_plate( world, state, surface, def->bending == WISP_CLOTH_BENDING_DIHEDRAL ) : WISP_OK;
+    status = status == WISP_OK ? set_components( world, surface, f, def, state ) : status;
     if ( status == WISP_OK ? bends == false : keeps_plate == false )
     {
         wisp_set_object( state->plates, surface, NULL );
     }
-    if ( status == WISP_OK )
+    WISP_TRY( status );
+    fill( world, surface, def, state );
+    const bool is_airless =
+        ( def->drag_coefficient == 0.0f && def->lift_coefficient == 0.0f ) || def->air_density == 0.0f;
+    wisp_world_tell( world, surface, is_airless && wisp_v3_length( def->wind ) > 0.0f,
+                     "'wind' has no effect without drag_coefficient or lift_coefficient, and air_density" );
+    if ( def->coarse_substeps > 0 && had_sheets == false )
     {
-        fill( world, surface, def, state );
-        const bool is_airless =
-            ( def->drag_coefficient == 0.0f && def->lift_coefficient == 0.0f ) || def->air_density == 0.0f;
-        wisp_world_tell( world, surface, is_airless && wisp_v3_length( def->wind ) > 0.0f,
-                         "'wind' has no effect without drag_coefficient or lift_coefficient, and air_density" );
-        if ( def->coarse_substeps > 0 && had_sheets == false )
-        {
-            warn_of_sheets( world, surface );
-        }
+        warn_of_sheets( world, surface, f );
     }
-    return status;
+    return WISP_OK;
 }
 
 wisp_status wisp_set_cloth_wind( wisp_world* world, wisp_entity surface, wisp_vec3 wind )
 {
-    WISP_TRY( wisp_world_check_entity( world, surface ) );
-    cloth_state* state;
-    WISP_TRY( find_state( world, surface, &state ) );
+    WISP_FIND_STATE( cloth_state, state, world, "cloth", &surface, WISP_IS_SURFACE );
     WISP_TRY( wisp_world_check_values( world, &wisp_cloth_def_fields, "wind", &wind, 1, NULL ) );
     if ( wisp_world_has( world, surface, state->air ) == false )
     {
@@ -468,10 +453,8 @@ wisp_status wisp_set_cloth_wind( wisp_world* world, wisp_entity surface, wisp_ve
         {
             return wisp_world_fail( world, WISP_CONFLICT, "cloth: entity %u is no cloth", surface.index );
         }
-        const wisp_cloth_def usual = wisp_default_cloth_def();
-        WISP_TRY( wisp_world_attach( world, surface, state->air ) );
-        *(cloth_air*)wisp_world_column( world, surface, state->air, 0 ) =
-            ( cloth_air ){ .density = usual.air_density, .drag = 1.0f };
+        const cloth_air air = { .density = wisp_default_cloth_def().air_density, .drag = 1.0f };
+        WISP_TRY( wisp_world_set_row( world, surface, state->air, &air, sizeof( air ) ) );
     }
     cloth_air* air = wisp_world_column( world, surface, state->air, 0 );
     air->wind = wind;

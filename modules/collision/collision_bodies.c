@@ -347,8 +347,7 @@ wisp_status wisp_add_collider( wisp_world* world, const wisp_collider_def* given
     const wisp_collider_def* def = &values;
     WISP_TRY( wisp_world_begin_def( world, NULL, &wisp_collider_def_fields, &values, given ) );
     WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
-    collision_state* state;
-    WISP_TRY( collision_find_state( world, &state ) );
+    WISP_FIND_STATE( collision_state, state, world, "collision", NULL, 0 );
     WISP_TRY( check_together( world, def ) );
     if ( wisp_world_reserve( world, (void**)&state->bodies, &state->body_capacity, state->body_count,
                              sizeof( collision_body ) ) == false )
@@ -371,9 +370,7 @@ wisp_status wisp_add_collider( wisp_world* world, const wisp_collider_def* given
 
 wisp_status wisp_move_collider( wisp_world* world, wisp_entity entity, wisp_transform pose )
 {
-    WISP_TRY( wisp_world_check_entity( world, entity ) );
-    collision_state* state;
-    WISP_TRY( collision_find_state( world, &state ) );
+    WISP_FIND_STATE( collision_state, state, world, "collision", &entity, 0 );
     const collision_collider* collider = wisp_world_column( world, entity, state->collider, 0 );
     if ( collider == NULL )
     {

@@ -8,14 +8,6 @@
 
 #include <string.h>
 
-wisp_status collision_find_state( wisp_world* world, collision_state** out )
-{
-    *out = wisp_world_module_state( world, "collision" );
-    return *out != NULL
-               ? WISP_OK
-               : wisp_world_fail( world, WISP_CONFLICT, "the module collision is not registered in this world" );
-}
-
 // ---- components ----
 
 // Contacts are kept in a substep where somebody reads them afterwards, or they are not found in one sweep.
@@ -179,27 +171,16 @@ static collision_settings resolve( const wisp_collision_def* d, float edge, int3
     };
 }
 
-// Check that an entity can collide. Strands with velocities need masses and lengths too, or contacts have nothing to
-// act on.
-static wisp_status find_participant( wisp_world* world, wisp_entity participant, collision_state** state )
+// Strands with velocities need masses and lengths too, or contacts have nothing to act on.
+static wisp_status check_motion( wisp_world* world, wisp_entity participant )
 {
-    if ( wisp_world_strands( world, participant ) == NULL )
-    {
-        void* found;
-        wisp_status status = wisp_world_surface_state( world, "collision", participant, &found );
-        *state = found;
-        return status;
-    }
-    wisp_status status = collision_find_state( world, state );
-    if ( status == WISP_OK && wisp_world_has( world, participant, WISP_STRAND_VELOCITY ) &&
-         ( wisp_world_has( world, participant, WISP_STRAND_INVERSE_MASS ) == false ||
-           wisp_world_has( world, participant, WISP_STRAND_LENGTH ) == false ) )
-    {
-        return wisp_world_fail( world, WISP_CONFLICT,
-                                "collision: the strands of entity %u do not move: give them dynamics first",
-                                participant.index );
-    }
-    return status;
+    return wisp_world_has( world, participant, WISP_STRAND_VELOCITY ) &&
+                   ( wisp_world_has( world, participant, WISP_STRAND_INVERSE_MASS ) == false ||
+                     wisp_world_has( world, participant, WISP_STRAND_LENGTH ) == false )
+               ? wisp_world_fail( world, WISP_CONFLICT,
+                                  "collision: the strands of entity %u do not move: give them dynamics first",
+                                  participant.index )
+               : WISP_OK;
 }
 
 static wisp_status check_features( wisp_world* world, wisp_entity participant, wisp_collision_features features )
@@ -238,8 +219,8 @@ wisp_status wisp_set_collision( wisp_world* world, wisp_entity participant, cons
     wisp_collision_def values;
     const wisp_collision_def* def = &values;
     WISP_TRY( wisp_world_begin_def( world, &participant, &wisp_collision_def_fields, &values, given ) );
-    collision_state* state;
-    WISP_TRY( find_participant( world, participant, &state ) );
+    WISP_FIND_STATE( collision_state, state, world, "collision", &participant, WISP_IS_SURFACE | WISP_IS_STRANDS );
+    WISP_TRY( check_motion( world, participant ) );
     WISP_TRY( check_features( world, participant, def->features ) );
     const bool is_new = wisp_world_has( world, participant, state->settings ) == false;
     WISP_TRY( wisp_world_attach( world, participant, state->settings ) );

@@ -63,10 +63,9 @@ typedef struct collision_nearness
     X( settings, "collision.settings", ENTITY,                                                                       \
        WISP_COLUMN( collision_settings, settings, 1 ) ) /* of participants */                                        \
     X( active, "collision.active", ENTITY,                                                                           \
-       WISP_COLUMN( int32_t, active, 1 ) ) /* 1: there is a body, and it is enabled */                               \
-    X( strand_contact, "collision.strand_contact", STRAND_ROW,                                                       \
-       /* while there is a body, as what follows */ WISP_COLUMN( float, pushed, 16 ),                                \
-       /* m, normal correction of this substep; below 0: of the last one */                                          \
+       WISP_COLUMN( int32_t, active, 1 ) )                     /* 1: there is a body, and it is enabled */           \
+    X( strand_contact, "collision.strand_contact", STRAND_ROW, /* while there is a body, as what follows */          \
+       WISP_COLUMN( float, pushed, 16 ),   /* m, normal correction of this substep; below 0: of the last one */      \
        WISP_COLUMN( float, depth, 16 ),    /* m, depth that a vertex may keep in this iteration */                   \
        WISP_COLUMN( float, left, 16 ),     /* m, depth that it kept */                                               \
        WISP_COLUMN( float, friction, 48 ), /* m, sum of what friction removed in this substep */                     \
@@ -173,9 +172,6 @@ typedef struct collision_coupled
 } collision_coupled;
 
 _Static_assert( sizeof( collision_coupled ) == 160, "no padding" );
-
-/// Find the state of the module. @return WISP_CONFLICT the module is not registered
-wisp_status collision_find_state( wisp_world* world, collision_state** out );
 
 // ---- participants: surfaces and strands that collide ----
 

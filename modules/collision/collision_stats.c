@@ -287,15 +287,15 @@ void collision_measure_posed( wisp_frame* frame, const wisp_span* span, void* us
 static wisp_status find_settings( wisp_world* world, wisp_entity participant, collision_state** state,
                                   collision_settings** out )
 {
-    WISP_TRY( collision_find_state( world, state ) );
-    *out = wisp_world_column( world, participant, ( *state )->settings, 0 );
+    WISP_FIND_STATE( collision_state, found, world, "collision", &participant, 0 );
+    *state = found;
+    *out = wisp_world_column( world, participant, found->settings, 0 );
     return *out != NULL ? WISP_OK
                         : wisp_world_fail( world, WISP_CONFLICT, "entity %u has no collision", participant.index );
 }
 
 wisp_status wisp_request_collision_stats( wisp_world* world, wisp_entity participant, bool requested )
 {
-    WISP_TRY( wisp_world_check_entity( world, participant ) );
     collision_state* state;
     collision_settings* settings;
     WISP_TRY( find_settings( world, participant, &state, &settings ) );
@@ -311,10 +311,8 @@ wisp_status wisp_request_collision_stats( wisp_world* world, wisp_entity partici
 
 wisp_status wisp_read_collision_stats( wisp_world* world, wisp_entity participant, wisp_collision_stats* out )
 {
-    WISP_TRY( wisp_world_begin( world ) );
-    WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
+    WISP_TRY( wisp_world_begin_read( world, out, sizeof( *out ) ) );
     *out = NOTHING;
-    WISP_TRY( wisp_world_check_entity( world, participant ) );
     collision_state* state;
     collision_settings* settings;
     wisp_status status = find_settings( world, participant, &state, &settings );

@@ -375,9 +375,9 @@ collision_share collision_share_of( wisp_frame* frame, const collision_state* st
 
 static wisp_status find_collider( wisp_world* world, wisp_entity collider, collision_state** state )
 {
-    WISP_TRY( wisp_world_check_entity( world, collider ) );
-    WISP_TRY( collision_find_state( world, state ) );
-    return wisp_world_has( world, collider, ( *state )->collider )
+    WISP_FIND_STATE( collision_state, found, world, "collision", &collider, 0 );
+    *state = found;
+    return wisp_world_has( world, collider, found->collider )
                ? WISP_OK
                : wisp_world_fail( world, WISP_CONFLICT, "entity %u is not a collider", collider.index );
 }
@@ -396,7 +396,6 @@ static wisp_status give_up( wisp_world* world, collision_state* state, wisp_enti
 
 wisp_status wisp_request_reaction( wisp_world* world, wisp_entity collider, bool requested )
 {
-    WISP_TRY( wisp_world_begin( world ) );
     collision_state* state;
     WISP_TRY( find_collider( world, collider, &state ) );
     if ( requested == false )
@@ -420,9 +419,7 @@ wisp_status wisp_request_reaction( wisp_world* world, wisp_entity collider, bool
 
 wisp_status wisp_read_reaction( wisp_world* world, wisp_entity collider, wisp_reaction* out )
 {
-    WISP_TRY( wisp_world_begin( world ) );
-    WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
-    *out = ( wisp_reaction ){ 0 };
+    WISP_TRY( wisp_world_begin_read( world, out, sizeof( *out ) ) );
     collision_state* state;
     WISP_TRY( find_collider( world, collider, &state ) );
     const wisp_reaction* reaction = wisp_world_column( world, collider, state->reaction, 0 );

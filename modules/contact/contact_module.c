@@ -317,46 +317,30 @@ wisp_status wisp_set_contact_settings( wisp_world* world, const wisp_contact_set
     wisp_contact_settings values;
     const wisp_contact_settings* settings = &values;
     WISP_TRY( wisp_world_begin_def( world, NULL, &wisp_contact_settings_fields, &values, given ) );
-    contact_state* state;
-    wisp_status status = contact_find_state( world, &state );
-    status = status == WISP_OK ? contact_mark_participants( world, state, settings->level ) : status;
-    if ( status == WISP_OK )
-    {
-        state->world = *settings;
-        state->changed = true;
-    }
-    return status;
+    WISP_FIND_STATE( contact_state, state, world, "contact", NULL, 0 );
+    WISP_TRY( contact_mark_participants( world, state, settings->level ) );
+    state->world = *settings;
+    state->changed = true;
+    return WISP_OK;
 }
 
 // ---- statistics ----
 
 wisp_status wisp_request_contact_stats( wisp_world* world, bool requested, bool count_intersections )
 {
-    WISP_TRY( wisp_world_begin( world ) );
-    contact_state* state;
-    wisp_status status = contact_find_state( world, &state );
-    if ( status == WISP_OK && state->participant_count > 0 )
-    {
-        status = wisp_world_request( world, state->mesh_entity, state->stats, requested );
-    }
-    if ( status == WISP_OK )
-    {
-        state->requests_stats = requested;
-        state->counts_intersections = requested && count_intersections;
-    }
-    return status;
+    WISP_FIND_STATE( contact_state, state, world, "contact", NULL, 0 );
+    WISP_TRY( state->participant_count > 0 ? wisp_world_request( world, state->mesh_entity, state->stats, requested )
+                                           : WISP_OK );
+    state->requests_stats = requested;
+    state->counts_intersections = requested && count_intersections;
+    return WISP_OK;
 }
 
 static wisp_status find_stats( wisp_world* world, contact_state** state, const wisp_contact_stats** out )
 {
-    const wisp_status status = contact_find_state( world, state );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
-    *out = ( *state )->participant_count > 0
-               ? wisp_world_column( world, ( *state )->mesh_entity, ( *state )->stats, 0 )
-               : NULL;
+    WISP_FIND_STATE( contact_state, found, world, "contact", NULL, 0 );
+    *state = found;
+    *out = found->participant_count > 0 ? wisp_world_column( world, found->mesh_entity, found->stats, 0 ) : NULL;
     return *out != NULL && ( *out )->participants > 0
                ? WISP_OK
                : wisp_world_fail(
@@ -366,9 +350,7 @@ static wisp_status find_stats( wisp_world* world, contact_state** state, const w
 
 wisp_status wisp_read_contact_stats( wisp_world* world, wisp_contact_stats* out )
 {
-    WISP_TRY( wisp_world_begin( world ) );
-    WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
-    *out = ( wisp_contact_stats ){ 0 };
+    WISP_TRY( wisp_world_begin_read( world, out, sizeof( *out ) ) );
     contact_state* state;
     const wisp_contact_stats* stats;
     const wisp_status status = find_stats( world, &state, &stats );
@@ -391,9 +373,7 @@ static wisp_status find_participant( wisp_world* world, const contact_state* sta
 
 wisp_status wisp_read_contact_impulse( wisp_world* world, wisp_entity participant, double out[3] )
 {
-    WISP_TRY( wisp_world_begin( world ) );
-    WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
-    out[0] = out[1] = out[2] = 0.0;
+    WISP_TRY( wisp_world_begin_read( world, out, 3 * sizeof( *out ) ) );
     WISP_TRY( wisp_world_check_entity( world, participant ) );
     contact_state* state;
     const wisp_contact_stats* stats;
@@ -406,9 +386,7 @@ wisp_status wisp_read_contact_impulse( wisp_world* world, wisp_entity participan
 
 wisp_status wisp_read_contact_intersections( wisp_world* world, wisp_entity a, wisp_entity b, int* out )
 {
-    WISP_TRY( wisp_world_begin( world ) );
-    WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
-    *out = 0;
+    WISP_TRY( wisp_world_begin_read( world, out, sizeof( *out ) ) );
     WISP_TRY( wisp_world_check_entity( world, a ) );
     WISP_TRY( wisp_world_check_entity( world, b ) );
     contact_state* state;

@@ -17,14 +17,6 @@ static const wisp_field CONTACT_FIELDS[] = {
 };
 WISP_DEFINE( contact_def, "contact", CONTACT_FIELDS )
 
-wisp_status contact_find_state( wisp_world* world, contact_state** out )
-{
-    *out = wisp_world_module_state( world, "contact" );
-    return *out != NULL
-               ? WISP_OK
-               : wisp_world_fail( world, WISP_CONFLICT, "the module contact is not registered in this world" );
-}
-
 int contact_find_participant( const contact_state* state, wisp_entity entity )
 {
     for ( int i = 0; i < state->participant_count; ++i )
@@ -115,9 +107,7 @@ static wisp_status check_participant( wisp_world* world, wisp_entity participant
 {
     if ( wisp_world_strands( world, participant ) == NULL )
     {
-        void* state;
-        const wisp_status status = wisp_world_surface_state( world, "contact", participant, &state );
-        return status == WISP_OK ? wisp_world_need_fabric( world, participant, WISP_FABRIC_EDGES ) : status;
+        return wisp_world_need_fabric( world, participant, WISP_FABRIC_EDGES );
     }
     return wisp_world_has( world, participant, WISP_STRAND_INVERSE_MASS ) &&
                    wisp_world_has( world, participant, WISP_STRAND_LENGTH )
@@ -234,11 +224,10 @@ wisp_status wisp_set_contact( wisp_world* world, wisp_entity participant, const 
     wisp_contact_def values;
     const wisp_contact_def* def = &values;
     WISP_TRY( wisp_world_begin_def( world, &participant, &wisp_contact_def_fields, &values, given ) );
-    contact_state* state;
-    wisp_status status = contact_find_state( world, &state );
-    status = status == WISP_OK ? check_participant( world, participant ) : status;
-    int number = status == WISP_OK ? contact_find_participant( state, participant ) : -1;
-    if ( status == WISP_OK && def->enabled == false )
+    WISP_FIND_STATE( contact_state, state, world, "contact", &participant, WISP_IS_SURFACE | WISP_IS_STRANDS );
+    WISP_TRY( check_participant( world, participant ) );
+    int number = contact_find_participant( state, participant );
+    if ( def->enabled == false )
     {
         if ( number >= 0 )
         {
@@ -246,32 +235,26 @@ wisp_status wisp_set_contact( wisp_world* world, wisp_entity participant, const 
         }
         return WISP_OK;
     }
-    if ( status == WISP_OK && ( def->self || def->mask != 0 ) ) // else its intersections are only counted
+    if ( def->self || def->mask != 0 ) // else its intersections are only counted
     {
         wisp_world_let_meet( world, participant );
     }
-    status = status == WISP_OK && number < 0 ? add_participant( world, state, participant ) : status;
-    if ( status == WISP_OK )
-    {
-        contact_settings* settings = wisp_world_column( world, participant, state->components.settings, 0 );
-        *settings = resolve( world, participant, def );
-        number = number < 0 ? state->participant_count - 1 : number;
-        state->participants[number].spacing = sphere_spacing( world, participant );
-        state->changed = true;
-    }
-    return status;
+    WISP_TRY( number < 0 ? add_participant( world, state, participant ) : WISP_OK );
+    contact_settings* settings = wisp_world_column( world, participant, state->components.settings, 0 );
+    *settings = resolve( world, participant, def );
+    number = number < 0 ? state->participant_count - 1 : number;
+    state->participants[number].spacing = sphere_spacing( world, participant );
+    state->changed = true;
+    return WISP_OK;
 }
 
 wisp_status wisp_unset_contact( wisp_world* world, wisp_entity participant )
 {
-    WISP_TRY( wisp_world_begin( world ) );
-    WISP_TRY( wisp_world_check_entity( world, participant ) );
-    contact_state* state;
-    const wisp_status status = contact_find_state( world, &state );
-    const int number = status == WISP_OK ? contact_find_participant( state, participant ) : -1;
+    WISP_FIND_STATE( contact_state, state, world, "contact", &participant, 0 );
+    const int number = contact_find_participant( state, participant );
     if ( number >= 0 )
     {
         remove_participant( world, state, number );
     }
-    return status;
+    return WISP_OK;
 }

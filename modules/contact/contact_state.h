@@ -42,9 +42,6 @@ typedef struct contact_state
     contact_untangling untangling;
 } contact_state;
 
-/// Find the state of the module. @return WISP_CONFLICT the module is not registered
-wisp_status contact_find_state( wisp_world* world, contact_state** out );
-
 // contact_passes.c
 void contact_reach( wisp_frame* frame, const wisp_span* span, void* user );
 bool contact_join( wisp_frame* frame, wisp_entity entity, void* user );

@@ -154,12 +154,7 @@ wisp_status wisp_set_environment( wisp_world* world, wisp_entity strands, const 
     wisp_environment_def values;
     const wisp_environment_def* def = &values;
     WISP_TRY( wisp_world_begin_def( world, &strands, &wisp_environment_def_fields, &values, given ) );
-    const environment_state* state = wisp_world_module_state( world, "environment" );
-    if ( state == NULL || wisp_has_strands( world, strands ) == false )
-    {
-        return wisp_world_fail( world, WISP_CONFLICT, "module environment: %s",
-                                state == NULL ? "not registered in this world" : "the entity has no strands" );
-    }
+    WISP_FIND_STATE( const environment_state, state, world, "environment", &strands, WISP_IS_STRANDS );
     WISP_TRY( check_curve( world, def ) );
     const wisp_component_use uses[] = { { state->settings, true }, { WISP_STRAND_STIFFNESS, true } };
     WISP_TRY( wisp_world_set_components( world, strands, uses, WISP_COUNT( uses ) ) );

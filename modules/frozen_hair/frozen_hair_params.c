@@ -3,7 +3,6 @@
 
 #include <math.h>
 #include <string.h>
-static const char* const NOT_REGISTERED = "module frozen_hair: not registered in this world";
 
 // A length of -1 is by the radius, or no limit.
 static const wisp_field FROZEN_HAIR_FIELDS[] = {
@@ -115,23 +114,10 @@ wisp_status wisp_set_frozen_hair( wisp_world* world, wisp_entity strands, const 
     wisp_frozen_hair_def values;
     const wisp_frozen_hair_def* def = &values;
     WISP_TRY( wisp_world_begin_def( world, &strands, &wisp_frozen_hair_def_fields, &values, given ) );
-    const frozen_state* s = wisp_world_module_state( world, "frozen_hair" );
-    const wisp_strand_topology* t = wisp_world_strands( world, strands );
-    if ( s == NULL )
-    {
-        return wisp_world_fail( world, WISP_CONFLICT, "%s", NOT_REGISTERED );
-    }
-    if ( t == NULL )
-    {
-        return wisp_world_fail( world, WISP_CONFLICT, "frozen hair: entity %u: has no strands", strands.index );
-    }
-    wisp_status status = check_strands( world, def, t->strand_count );
+    WISP_FIND_STATE( const frozen_state, s, world, "frozen_hair", &strands, WISP_IS_STRANDS );
     const bool goes_on = wisp_world_has( world, strands, s->stroke );
-    status = status == WISP_OK ? attach_all( world, strands, s, def ) : status;
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( check_strands( world, def, wisp_world_strands( world, strands )->strand_count ) );
+    WISP_TRY( attach_all( world, strands, s, def ) );
     frozen_settings* settings = wisp_world_column( world, strands, s->settings, 0 );
     *settings = ( frozen_settings ){
         .seed = def->seed,
@@ -153,13 +139,11 @@ wisp_status wisp_set_frozen_hair( wisp_world* world, wisp_entity strands, const 
 
 // ---- commands and reports ----
 
-static wisp_status find_settings( wisp_world* world, wisp_entity strands, frozen_settings** out )
+static wisp_status find_settings( wisp_world* world, wisp_entity strands, const frozen_state** state,
+                                  frozen_settings** out )
 {
-    const frozen_state* s = wisp_world_module_state( world, "frozen_hair" );
-    if ( s == NULL )
-    {
-        return wisp_world_fail( world, WISP_CONFLICT, "%s", NOT_REGISTERED );
-    }
+    WISP_FIND_STATE( const frozen_state, s, world, "frozen_hair", &strands, 0 );
+    *state = s;
     *out = wisp_world_column( world, strands, s->settings, 0 );
     return *out != NULL ? WISP_OK
                         : wisp_world_fail( world, WISP_CONFLICT, "entity %u: has no frozen hair", strands.index );
@@ -167,8 +151,9 @@ static wisp_status find_settings( wisp_world* world, wisp_entity strands, frozen
 
 static wisp_status point_at( wisp_world* world, wisp_entity strands, wisp_vec3 cursor, const uint64_t* event )
 {
+    const frozen_state* s;
     frozen_settings* settings;
-    WISP_TRY( find_settings( world, strands, &settings ) );
+    WISP_TRY( find_settings( world, strands, &s, &settings ) );
     if ( !( fabsf( cursor.x ) <= 1e6f && fabsf( cursor.y ) <= 1e6f && fabsf( cursor.z ) <= 1e6f ) )
     {
         return wisp_world_fail(
@@ -184,51 +169,42 @@ static wisp_status point_at( wisp_world* world, wisp_entity strands, wisp_vec3 c
     if ( event != NULL )
     {
         settings->next = *event;
-        begin_stroke( world, strands, wisp_world_module_state( world, "frozen_hair" ), *event );
+        begin_stroke( world, strands, s, *event );
     }
     return WISP_OK;
 }
 
 wisp_status wisp_command_frozen_hair( wisp_world* world, wisp_entity strands, wisp_vec3 cursor )
 {
-    WISP_TRY( wisp_world_check_entity( world, strands ) );
     return point_at( world, strands, cursor, NULL );
 }
 
 wisp_status wisp_begin_frozen_hair_stroke( wisp_world* world, wisp_entity strands )
 {
-    WISP_TRY( wisp_world_check_entity( world, strands ) );
+    const frozen_state* s;
     frozen_settings* settings;
-    WISP_TRY( find_settings( world, strands, &settings ) );
+    WISP_TRY( find_settings( world, strands, &s, &settings ) );
     if ( settings->base != WISP_FROZEN_BASE_STROKE )
     {
         return wisp_world_fail( world, WISP_CONFLICT, "entity %u: the base of its frozen hair is not 'stroke'",
                                 strands.index );
     }
-    begin_stroke( world, strands, wisp_world_module_state( world, "frozen_hair" ), settings->next );
+    begin_stroke( world, strands, s, settings->next );
     settings->pending = 1;
     return WISP_OK;
 }
 
 wisp_status wisp_replay_frozen_hair( wisp_world* world, wisp_entity strands, wisp_vec3 cursor, uint64_t event )
 {
-    WISP_TRY( wisp_world_check_entity( world, strands ) );
     return point_at( world, strands, cursor, &event );
 }
 
 wisp_status wisp_read_frozen_hair_stats( wisp_world* world, wisp_entity strands, wisp_frozen_hair_stats* out )
 {
-    WISP_TRY( wisp_world_begin( world ) );
-    WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
-    *out = ( wisp_frozen_hair_stats ){ 0 };
-    WISP_TRY( wisp_world_check_entity( world, strands ) );
+    WISP_TRY( wisp_world_begin_read( world, out, sizeof( *out ) ) );
+    const frozen_state* s;
     frozen_settings* settings;
-    wisp_status status = find_settings( world, strands, &settings );
-    const frozen_state* s = wisp_world_module_state( world, "frozen_hair" );
-    if ( status == WISP_OK )
-    {
-        const wisp_frozen_hair_stats* report = wisp_world_column( world, strands, s->report, 0 );
-        *out = *report;
-    }
-    return status;
+    WISP_TRY( find_settings( world, strands, &s, &settings ) );
+    *out = *(const wisp_frozen_hair_stats*)wisp_world_column( world, strands, s->report, 0 );
+    return WISP_OK;
 }

@@ -340,10 +340,6 @@ static guide_drawing* cook_drawing( wisp_world* world, const wisp_curves_def* de
 
 static wisp_status check_curves( wisp_world* world, const guide_state* s, const wisp_curves_def* def )
 {
-    if ( s == NULL )
-    {
-        return wisp_world_fail( world, WISP_CONFLICT, "module guide_hair: not registered in this world" );
-    }
     if ( wisp_is_alive( world, def->source ) == false )
     {
         return wisp_world_fail( world, def->source.index == 0 ? WISP_CONFLICT : WISP_STALE_ID,
@@ -436,7 +432,7 @@ wisp_status wisp_add_curves( wisp_world* world, const wisp_curves_def* given, wi
     const wisp_curves_def* def = &values;
     WISP_TRY( wisp_world_begin_def( world, NULL, &wisp_curves_def_fields, &values, given ) );
     WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
-    guide_state* s = wisp_world_module_state( world, "guide_hair" );
+    WISP_FIND_STATE( guide_state, s, world, "guide_hair", NULL, 0 );
     WISP_TRY( check_curves( world, s, def ) );
     guide_memory scratch = { .allocator = wisp_world_allocator( world ) };
     wisp_entity curves = { 0, 0 };
@@ -627,11 +623,13 @@ static void hermite_weights( double u, double seconds, double weight[COLUMN_COUN
 
 wisp_status wisp_ghosts_between( wisp_world* world, wisp_entity ghosts, float fraction, wisp_vec3* points )
 {
-    WISP_TRY( wisp_world_check_entity( world, ghosts ) );
+    WISP_FIND_STATE( const guide_state, state, world, "guide_hair", &ghosts, 0 );
     WISP_TRY( wisp_world_check_pointer( world, "points", points ) );
-    const guide_state* state = wisp_world_module_state( world, "guide_hair" );
-    const guide_follower* f;
-    WISP_TRY( guide_find_ghosts( world, ghosts, &f ) );
+    const guide_follower* f = wisp_find_object( state->followers, ghosts );
+    if ( f == NULL )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "ghosts: entity %u has no targets", ghosts.index );
+    }
     if ( f->is_between == false )
     {
         return wisp_world_fail( world, WISP_CONFLICT, "ghosts: entity %u does not store states between steps",

@@ -238,8 +238,6 @@ typedef struct guide_state
 
 /// The same, unless the targets are removed.
 const guide_follower* guide_active_follower( const guide_state* state, wisp_entity ghosts );
-/// For a function of the host. @return WISP_CONFLICT, with a message
-wisp_status guide_find_ghosts( wisp_world* world, wisp_entity ghosts, const guide_follower** out );
 /// Release targets without ghosts and sources without curves.
 void guide_let_go( wisp_world* world, const guide_state* state, wisp_entity entity );
 void guide_drawing_release( void* drawing, const wisp_allocator* allocator );

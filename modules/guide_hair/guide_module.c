@@ -95,14 +95,6 @@ void guide_let_go( wisp_world* world, const guide_state* state, wisp_entity enti
     }
 }
 
-wisp_status guide_find_ghosts( wisp_world* world, wisp_entity ghosts, const guide_follower** out )
-{
-    const guide_state* s = wisp_world_module_state( world, "guide_hair" );
-    *out = s != NULL ? wisp_find_object( s->followers, ghosts ) : NULL;
-    return *out != NULL ? WISP_OK
-                        : wisp_world_fail( world, WISP_CONFLICT, "ghosts: entity %u has no targets", ghosts.index );
-}
-
 // ---- module ----
 
 GUIDE_COMPONENTS( WISP_COMPONENT_COLUMNS )

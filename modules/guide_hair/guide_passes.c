@@ -67,10 +67,6 @@ static wisp_status check_roles( wisp_world* world, const guide_state* s, wisp_en
 
 static wisp_status check( wisp_world* world, const guide_state* s, wisp_entity ghosts, const wisp_ghosts_def* def )
 {
-    if ( s == NULL )
-    {
-        return wisp_world_fail( world, WISP_CONFLICT, "module guide_hair: not registered in this world" );
-    }
     wisp_status status = check_strands( world, ghosts, "the ghosts" );
     status = status == WISP_OK ? check_strands( world, def->targets, "the targets" ) : status;
     return status == WISP_OK ? check_roles( world, s, ghosts, def->targets ) : status;
@@ -113,7 +109,7 @@ wisp_status wisp_set_ghosts( wisp_world* world, wisp_entity ghosts, const wisp_g
     wisp_ghosts_def values;
     const wisp_ghosts_def* def = &values;
     WISP_TRY( wisp_world_begin_def( world, &ghosts, &wisp_ghosts_def_fields, &values, given ) );
-    guide_state* s = wisp_world_module_state( world, "guide_hair" );
+    WISP_FIND_STATE( guide_state, s, world, "guide_hair", NULL, 0 );
     WISP_TRY( check( world, s, ghosts, def ) );
     if ( wisp_reserve_object( s->followers, ghosts ) == false )
     {

@@ -351,29 +351,20 @@ static void fill( wisp_world* world, wisp_entity surface, const implicit_state* 
 
 // ---- public functions ----
 
-static wisp_status find_state( wisp_world* world, wisp_entity surface, implicit_state** out )
-{
-    void* state;
-    wisp_status status = wisp_world_surface_state( world, "implicit_cloth", surface, &state );
-    *out = state;
-    return status;
-}
-
 wisp_status wisp_set_implicit_cloth( wisp_world* world, wisp_entity surface, const wisp_implicit_cloth_def* given )
 {
     wisp_implicit_cloth_def values;
     const wisp_implicit_cloth_def* def = &values;
     WISP_TRY( wisp_world_begin_def( world, &surface, &wisp_implicit_cloth_def_fields, &values, given ) );
-    implicit_state* state;
-    wisp_status status = find_state( world, surface, &state );
-    status = status == WISP_OK ? check_pairs( world, def ) : status;
-    status = status == WISP_OK ? check_alone( world, surface, state ) : status;
-    if ( status == WISP_OK && wisp_reserve_object( state->links, surface ) == false )
+    WISP_FIND_STATE( implicit_state, state, world, "implicit_cloth", &surface, WISP_IS_SURFACE );
+    WISP_TRY( check_pairs( world, def ) );
+    WISP_TRY( check_alone( world, surface, state ) );
+    if ( wisp_reserve_object( state->links, surface ) == false )
     {
-        status = wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for another implicit cloth" );
+        return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for another implicit cloth" );
     }
     implicit_links* links = NULL;
-    status = status == WISP_OK ? implicit_links_create( world, surface, def, &links ) : status;
+    wisp_status status = implicit_links_create( world, surface, def, &links );
     status = status == WISP_OK ? set_components( world, surface, state, def ) : status;
     if ( status != WISP_OK )
     {
@@ -387,17 +378,15 @@ wisp_status wisp_set_implicit_cloth( wisp_world* world, wisp_entity surface, con
 
 static wisp_status find_cloth( wisp_world* world, wisp_entity surface, implicit_state** out )
 {
-    wisp_status status = find_state( world, surface, out );
-    if ( status == WISP_OK && wisp_world_has( world, surface, ( *out )->material ) == false )
-    {
-        return wisp_world_fail( world, WISP_CONFLICT, "entity %u: is not an implicit cloth", surface.index );
-    }
-    return status;
+    WISP_FIND_STATE( implicit_state, state, world, "implicit_cloth", &surface, WISP_IS_SURFACE );
+    *out = state;
+    return wisp_world_has( world, surface, state->material )
+               ? WISP_OK
+               : wisp_world_fail( world, WISP_CONFLICT, "entity %u: is not an implicit cloth", surface.index );
 }
 
 wisp_status wisp_request_implicit_cloth_stats( wisp_world* world, wisp_entity surface, bool requested )
 {
-    WISP_TRY( wisp_world_check_entity( world, surface ) );
     implicit_state* state;
     WISP_TRY( find_cloth( world, surface, &state ) );
     WISP_TRY( wisp_world_request( world, surface, state->stats, requested ) );
@@ -408,21 +397,16 @@ wisp_status wisp_request_implicit_cloth_stats( wisp_world* world, wisp_entity su
 
 wisp_status wisp_read_implicit_cloth_stats( wisp_world* world, wisp_entity surface, wisp_implicit_cloth_stats* out )
 {
-    WISP_TRY( wisp_world_check_entity( world, surface ) );
-    WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
+    WISP_TRY( wisp_world_begin_read( world, out, sizeof( *out ) ) );
     implicit_state* state;
-    wisp_status status = find_cloth( world, surface, &state );
-    const wisp_implicit_cloth_stats* stats =
-        status == WISP_OK ? wisp_world_column( world, surface, state->stats, 0 ) : NULL;
-    if ( status == WISP_OK && ( stats == NULL || stats->newton_iterations == 0 ) )
+    WISP_TRY( find_cloth( world, surface, &state ) );
+    const wisp_implicit_cloth_stats* stats = wisp_world_column( world, surface, state->stats, 0 );
+    if ( stats == NULL || stats->newton_iterations == 0 )
     {
         return wisp_world_fail( world, WISP_CONFLICT,
                                 "entity %u: has no statistics of implicit cloth, request them before a step",
                                 surface.index );
     }
-    if ( status == WISP_OK )
-    {
-        *out = *stats;
-    }
-    return status;
+    *out = *stats;
+    return WISP_OK;
 }

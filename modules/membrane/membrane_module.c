@@ -185,10 +185,7 @@ wisp_status wisp_set_membrane( wisp_world* world, wisp_entity surface, const wis
     wisp_membrane_def def;
     WISP_TRY( given != NULL ? wisp_world_begin_def( world, NULL, &wisp_membrane_def_fields, &def, given )
                             : wisp_world_begin( world ) );
-    WISP_TRY( wisp_world_check_entity( world, surface ) );
-    void* memory;
-    WISP_TRY( wisp_world_surface_state( world, "membrane", surface, &memory ) );
-    membrane_state* state = memory;
+    WISP_FIND_STATE( membrane_state, state, world, "membrane", &surface, WISP_IS_SURFACE );
     if ( given == NULL )
     {
         wisp_set_object( state->meshes, surface, NULL );

@@ -202,10 +202,7 @@ wisp_status wisp_set_motion_constraints( wisp_world* world, wisp_entity surface,
 {
     wisp_motion_constraints_def def;
     WISP_TRY( wisp_world_begin_def( world, NULL, &wisp_motion_constraints_def_fields, &def, given ) );
-    void* memory;
-    WISP_TRY( wisp_world_check_entity( world, surface ) );
-    WISP_TRY( wisp_world_surface_state( world, "motion_constraints", surface, &memory ) );
-    const motion_state* state = memory;
+    WISP_FIND_STATE( const motion_state, state, world, "motion_constraints", &surface, WISP_IS_SURFACE );
     const int count = wisp_world_fabric( world, surface )->vertex_count;
     WISP_TRY( check_def( world, &def, count ) );
     const bool xpbd = def.solver == WISP_SOLVER_XPBD,
@@ -244,11 +241,8 @@ wisp_status wisp_set_motion_constraints( wisp_world* world, wisp_entity surface,
 wisp_status wisp_move_motion_targets( wisp_world* world, wisp_entity surface, const wisp_vec3* points,
                                       const wisp_vec3* normals )
 {
-    WISP_TRY( wisp_world_check_entity( world, surface ) );
+    WISP_FIND_STATE( const motion_state, state, world, "motion_constraints", &surface, WISP_IS_SURFACE );
     WISP_TRY( wisp_world_check_pointer( world, "points", points ) );
-    void* memory;
-    WISP_TRY( wisp_world_surface_state( world, "motion_constraints", surface, &memory ) );
-    const motion_state* state = memory;
     if ( wisp_world_has( world, surface, state->settings ) == false )
     {
         return wisp_world_fail( world, WISP_CONFLICT, "entity %u has no motion constraints", surface.index );

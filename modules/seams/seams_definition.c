@@ -161,8 +161,8 @@ static wisp_status begin( wisp_world* world, const wisp_seam_def* given, wisp_se
 {
     WISP_TRY( wisp_world_begin_def( world, NULL, &wisp_seam_def_fields, def, given ) );
     void* found;
-    WISP_TRY( wisp_world_surface_state( world, "seams", def->a, &found ) );
-    WISP_TRY( wisp_world_surface_state( world, "seams", def->b, &found ) );
+    WISP_TRY( wisp_world_find_state( world, "seams", &def->a, WISP_IS_SURFACE, &found ) );
+    WISP_TRY( wisp_world_find_state( world, "seams", &def->b, WISP_IS_SURFACE, &found ) );
     *state = found;
     return check_def( world, def );
 }

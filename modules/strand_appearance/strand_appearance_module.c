@@ -110,11 +110,6 @@ wisp_status wisp_set_strand_appearance( wisp_world* world, wisp_entity strands,
     wisp_strand_appearance_def values;
     const wisp_strand_appearance_def* def = &values;
     WISP_TRY( wisp_world_begin_def( world, &strands, &wisp_strand_appearance_def_fields, &values, given ) );
-    const look_state* state = wisp_world_module_state( world, "strand_appearance" );
-    if ( state == NULL || wisp_has_strands( world, strands ) == false )
-    {
-        return wisp_world_fail( world, WISP_CONFLICT, "module strand_appearance: %s",
-                                state == NULL ? "not registered in this world" : "the entity has no strands" );
-    }
+    WISP_FIND_STATE( const look_state, state, world, "strand_appearance", &strands, WISP_IS_STRANDS );
     return wisp_world_set_row( world, strands, state->settings, def, sizeof( *def ) );
 }

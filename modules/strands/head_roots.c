@@ -325,7 +325,6 @@ wisp_status strands_check_pose( wisp_world* world, const char* what, wisp_transf
 
 wisp_status wisp_move_strand_head( wisp_world* world, wisp_entity strands, wisp_transform pose )
 {
-    WISP_TRY( wisp_world_check_entity( world, strands ) );
     strands_state* state;
     WISP_TRY( strands_find( world, strands, &state ) );
     WISP_TRY( strands_check_pose( world, "head", pose ) );

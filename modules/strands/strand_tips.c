@@ -320,7 +320,6 @@ static void set_hold( wisp_world* world, wisp_entity strands, const strands_stat
 
 wisp_status wisp_hold_strand_tip( wisp_world* world, wisp_entity strands, int strand, wisp_strand_tip hold )
 {
-    WISP_TRY( wisp_world_check_entity( world, strands ) );
     strands_state* state;
     WISP_TRY( strands_find( world, strands, &state ) );
     const wisp_strand_topology* t = wisp_world_strands( world, strands );
@@ -355,7 +354,6 @@ wisp_status wisp_hold_strand_tip( wisp_world* world, wisp_entity strands, int st
 
 wisp_status wisp_move_strand_tip( wisp_world* world, wisp_entity strands, int strand, wisp_transform pose )
 {
-    WISP_TRY( wisp_world_check_entity( world, strands ) );
     strands_state* state;
     WISP_TRY( strands_find( world, strands, &state ) );
     const wisp_strand_topology* t = wisp_world_strands( world, strands );

@@ -329,16 +329,14 @@ void strands_limit_speed( wisp_frame* frame, const wisp_span* span, void* user )
 
 wisp_status wisp_set_strand_wind( wisp_world* world, wisp_entity strands, wisp_vec3 wind )
 {
-    WISP_TRY( wisp_world_check_entity( world, strands ) );
     strands_state* s;
     WISP_TRY( strands_find( world, strands, &s ) );
     WISP_TRY( wisp_world_check_values( world, &wisp_strand_dynamics_def_fields, "wind", &wind, 1, NULL ) );
     if ( wisp_world_has( world, strands, s->air ) == false )
     {
         const wisp_strand_dynamics_def usual = wisp_default_strand_dynamics_def();
-        WISP_TRY( wisp_world_attach( world, strands, s->air ) );
-        *(strands_air*)wisp_world_column( world, strands, s->air, 0 ) =
-            ( strands_air ){ .drag = 0.5f * usual.air_density * usual.diameter };
+        const strands_air air = { .drag = 0.5f * usual.air_density * usual.diameter };
+        WISP_TRY( wisp_world_set_row( world, strands, s->air, &air, sizeof( air ) ) );
     }
     strands_air* air = wisp_world_column( world, strands, s->air, 0 );
     air->wind = wind;
@@ -347,7 +345,6 @@ wisp_status wisp_set_strand_wind( wisp_world* world, wisp_entity strands, wisp_v
 
 wisp_status wisp_set_strand_gravity( wisp_world* world, wisp_entity strands, wisp_vec3 gravity )
 {
-    WISP_TRY( wisp_world_check_entity( world, strands ) );
     strands_state* s;
     WISP_TRY( strands_find( world, strands, &s ) );
     WISP_TRY( wisp_world_check_values( world, &wisp_strand_dynamics_def_fields, "gravity", &gravity, 1, NULL ) );
@@ -358,10 +355,9 @@ wisp_status wisp_set_strand_gravity( wisp_world* world, wisp_entity strands, wis
 
 wisp_status wisp_read_strand_tension( wisp_world* world, wisp_entity strands, float* tensions )
 {
-    WISP_TRY( wisp_world_check_entity( world, strands ) );
-    WISP_TRY( wisp_world_check_pointer( world, "tensions", tensions ) );
     strands_state* s;
     WISP_TRY( strands_find( world, strands, &s ) );
+    WISP_TRY( wisp_world_check_pointer( world, "tensions", tensions ) );
     if ( wisp_world_has( world, strands, s->direct ) == false )
     {
         return wisp_world_fail( world, WISP_CONFLICT, "strands: entity %u does not stretch by the direct solve",
@@ -392,10 +388,7 @@ static double length_of( const wisp_strand_topology* t, const float* length, int
 
 wisp_status wisp_read_strand_hold( wisp_world* world, wisp_entity strands, wisp_strand_hold* out )
 {
-    WISP_TRY( wisp_world_begin( world ) );
-    WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
-    *out = ( wisp_strand_hold ){ 0 };
-    WISP_TRY( wisp_world_check_entity( world, strands ) );
+    WISP_TRY( wisp_world_begin_read( world, out, sizeof( *out ) ) );
     strands_state* s;
     WISP_TRY( strands_find( world, strands, &s ) );
     if ( wisp_world_has( world, strands, s->rod ) == false )

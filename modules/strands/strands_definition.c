@@ -356,28 +356,13 @@ static const wisp_field STRAND_DYNAMICS_FIELDS[] = {
 };
 WISP_DEFINE( strand_dynamics_def, "strands", STRAND_DYNAMICS_FIELDS )
 
-static wisp_status find_strands( wisp_world* world, wisp_entity strands, strands_state** state )
-{
-    *state = wisp_world_module_state( world, "strands" );
-    if ( *state == NULL )
-    {
-        return wisp_world_fail( world, WISP_CONFLICT, "the module strands is not registered in this world" );
-    }
-    if ( wisp_world_strands( world, strands ) == NULL )
-    {
-        return wisp_world_fail( world, WISP_CONFLICT, "entity %u has no strands", strands.index );
-    }
-    return WISP_OK;
-}
-
 wisp_status strands_find( wisp_world* world, wisp_entity strands, strands_state** state )
 {
-    const wisp_status status = find_strands( world, strands, state );
-    if ( status == WISP_OK && wisp_world_has( world, strands, ( *state )->settings ) == false )
-    {
-        return wisp_world_fail( world, WISP_CONFLICT, "the strands of entity %u have no dynamics", strands.index );
-    }
-    return status;
+    WISP_FIND_STATE( strands_state, found, world, "strands", &strands, WISP_IS_STRANDS );
+    *state = found;
+    return wisp_world_has( world, strands, found->settings )
+               ? WISP_OK
+               : wisp_world_fail( world, WISP_CONFLICT, "the strands of entity %u have no dynamics", strands.index );
 }
 
 // ---- components ----
@@ -587,8 +572,7 @@ wisp_status wisp_set_strand_dynamics( wisp_world* world, wisp_entity strands, co
     wisp_strand_dynamics_def values;
     const wisp_strand_dynamics_def* def = &values;
     WISP_TRY( wisp_world_begin_def( world, &strands, &wisp_strand_dynamics_def_fields, &values, given ) );
-    strands_state* s;
-    WISP_TRY( find_strands( world, strands, &s ) );
+    WISP_FIND_STATE( strands_state, s, world, "strands", &strands, WISP_IS_STRANDS );
     WISP_TRY( strands_check_definition( world, strands, s, def ) );
     const bool is_new = wisp_world_has( world, strands, s->settings ) == false;
     const bool direct = def->stretch == WISP_STRAND_STRETCH_DIRECT;

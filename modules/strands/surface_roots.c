@@ -86,7 +86,6 @@ static void root_all( wisp_world* world, wisp_entity strands, const strands_stat
 
 wisp_status wisp_root_strands( wisp_world* world, wisp_entity strands, wisp_entity surface )
 {
-    WISP_TRY( wisp_world_check_entity( world, strands ) );
     strands_state* state;
     WISP_TRY( strands_find( world, strands, &state ) );
     if ( ( (const strands_settings*)wisp_world_column( world, strands, state->settings, 0 ) )->is_free != 0 )

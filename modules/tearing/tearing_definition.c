@@ -114,10 +114,7 @@ wisp_status wisp_set_tearing( wisp_world* world, wisp_entity surface, const wisp
     wisp_tearing_def def;
     WISP_TRY( given != NULL ? wisp_world_begin_def( world, NULL, &wisp_tearing_def_fields, &def, given )
                             : wisp_world_begin( world ) );
-    WISP_TRY( wisp_world_check_entity( world, surface ) );
-    void* memory;
-    WISP_TRY( wisp_world_surface_state( world, "tearing", surface, &memory ) );
-    tearing_state* state = memory;
+    WISP_FIND_STATE( tearing_state, state, world, "tearing", &surface, WISP_IS_SURFACE );
     if ( given == NULL || isinf( def.strength ) )
     {
         if ( given != NULL )
@@ -145,13 +142,8 @@ static int count_spares( const wisp_fabric* f )
 
 wisp_status wisp_read_tearing_stats( wisp_world* world, wisp_entity surface, wisp_tearing_stats* out )
 {
-    WISP_TRY( wisp_world_begin( world ) );
-    WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
-    *out = ( wisp_tearing_stats ){ 0 };
-    WISP_TRY( wisp_world_check_entity( world, surface ) );
-    void* memory;
-    WISP_TRY( wisp_world_surface_state( world, "tearing", surface, &memory ) );
-    const tearing_state* state = memory;
+    WISP_TRY( wisp_world_begin_read( world, out, sizeof( *out ) ) );
+    WISP_FIND_STATE( tearing_state, state, world, "tearing", &surface, WISP_IS_SURFACE );
     const tearing_settings* settings = wisp_world_column( world, surface, state->settings, 0 );
     const tearing_result* result = wisp_world_column( world, surface, state->result, 0 );
     if ( settings == NULL || result == NULL )

@@ -236,8 +236,7 @@ static stage* new_stage( const drop* d, bool searches_all )
     assert_int_equal( wisp_world_create( &s->h->def, &s->h->world, NULL ), WISP_OK );
     s->cloth = add_cloth( s->h->world, SIDE, 1.6f, ( wisp_vec3 ){ 0.1f, 0.5f, 0.05f }, d->gravity );
     add_bodies( s, d->bodies_far );
-    collision_state* state;
-    assert_int_equal( collision_find_state( s->h->world, &state ), WISP_OK );
+    collision_state* state = wisp_world_module_state( s->h->world, "collision" );
     state->searches_all = searches_all;
     if ( d->workers == 1 )
     {
@@ -328,8 +327,7 @@ TEST( bodies_that_are_not_listed_move_nothing )
         stage *some = new_stage( d, false ), *all = new_stage( d, true );
         add_far_bodies( some );
         add_far_bodies( all );
-        collision_state* module;
-        assert_int_equal( collision_find_state( some->h->world, &module ), WISP_OK );
+        collision_state* module = wisp_world_module_state( some->h->world, "collision" );
         int listed = 0;
         for ( int n = 1; n <= STEPS; ++n )
         {

@@ -45,8 +45,7 @@ typedef struct trace
 // Put the engine's own tree, that of a mesh that deforms, in the place of the one that the body has.
 static void replace_tree( wisp_world* world, const test_mesh* mesh )
 {
-    collision_state* state;
-    assert_int_equal( collision_find_state( world, &state ), WISP_OK );
+    collision_state* state = wisp_world_module_state( world, "collision" );
     const wisp_collision_mesh_def def = { .points = mesh->points,
                                           .triangles = mesh->triangles,
                                           .point_count = mesh->vertex_count,

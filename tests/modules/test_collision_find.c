@@ -248,7 +248,7 @@ static meeting* new_meeting( void )
     add_mesh( world, test_ball( 2 ), 0.3f, ( wisp_vec3 ){ 0.1f, 0.0f, 0.0f }, false );
     add_mesh( world, test_plane( 3, 0.4f ), 1.0f, ( wisp_vec3 ){ -0.4f, 0.1f, -0.4f }, true );
     add_shape( world, WISP_COLLIDER_SPHERE, 0.05f, none );
-    assert_int_equal( collision_find_state( world, &m->state ), WISP_OK );
+    m->state = wisp_world_module_state( world, "collision" );
     assert_int_equal( m->state->body_count, BODIES );
     return m;
 }

@@ -456,8 +456,7 @@ TEST( no_pair_is_nearer_than_its_list_says )
     SCOPED( close_world ) hosted h;
     open_contact( &h, 4, 1, 1 );
     const wisp_entity ball = add_folding( h.world );
-    contact_state* found;
-    assert_status( h.world, contact_find_state( h.world, &found ), WISP_OK );
+    contact_state* found = wisp_world_module_state( h.world, "contact" );
     int count = 0, listed = 0;
     for ( int step = 0; step < 40; ++step )
     {
@@ -479,8 +478,7 @@ TEST( each_closest_point_has_one_row )
 {
     SCOPED( close_world ) hosted h;
     open_contact( &h, 1, 1, 1 );
-    contact_state* found;
-    assert_status( h.world, contact_find_state( h.world, &found ), WISP_OK );
+    contact_state* found = wisp_world_module_state( h.world, "contact" );
     wisp_contact_def def = contact_of( 0.01f );
     def.max_push_out_speed = 1e-9f; // m/s: nothing moves
     for ( int i = 0; i < 4; ++i )
@@ -587,8 +585,7 @@ TEST( no_pair_passes_its_plane_and_momentum_is_kept )
     {
         velocity_of( h.world, e[SHEETS - 1], v )[1] = -FAST * ( 1.0f + 0.2f * (float)( v % 3 ) );
     }
-    contact_state* found;
-    assert_status( h.world, contact_find_state( h.world, &found ), WISP_OK );
+    contact_state* found = wisp_world_module_state( h.world, "contact" );
     const contact_contact_mesh* s = &found->contact_mesh;
     assert_int_equal( s->point_count, SHEETS * VERTICES );
     run_steps( h.world, 1, FRAME ); // nothing touches yet

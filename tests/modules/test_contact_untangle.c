@@ -218,8 +218,7 @@ static void drag( hosted* h, const pinned_sheet* sheet, wisp_vec3 by )
 // The pairs and tests of one step, of which only the last substep is seen.
 static void add_work( wisp_world* world, work_done* work )
 {
-    contact_state* state;
-    assert_status( world, contact_find_state( world, &state ), WISP_OK );
+    contact_state* state = wisp_world_module_state( world, "contact" );
     const double pairs = state->constraints.row_count;
     work->pairs = fmax( work->pairs, pairs / state->contact_mesh.point_count );
     work->all_pairs += COLLAPSED_SUBSTEPS * pairs;

@@ -169,8 +169,11 @@ TEST( a_snapshot_holds_the_level_and_its_change )
     set_level( h.world, e, WISP_DETAIL_FEWER_SUBSTEPS );
     run_steps( h.world, 2, FRAME );
     set_level( h.world, e, WISP_DETAIL_FULL );
-    run_steps( h.world, 5, FRAME );
+    run_steps( h.world, 1, FRAME );
+    const uint64_t plans = wisp_world_counter( h.world, WISP_COUNT_PLANS );
+    run_steps( h.world, 4, FRAME );
     assert_int_equal( substeps_of( h.world, e ), 3 + 7 * 5 / 15 );
+    assert_int_equal( wisp_world_counter( h.world, WISP_COUNT_PLANS ), plans ); // other substeps, the same plan
     const saved_world saved = save_world( h.world );
     set_level( h.world, e, WISP_DETAIL_NOTHING );
     run_steps( h.world, 20, FRAME );

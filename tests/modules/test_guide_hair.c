@@ -135,8 +135,7 @@ TEST( ghosts_follow_the_target_that_equation_1_names_and_ties_the_lowest )
     def.targets = guide_add( world, targets, 24, 3 );
     const wisp_entity entity = guide_add( world, ghosts, 60, 5 );
     guide_ok( world, wisp_set_ghosts( world, entity, &def ) );
-    const guide_follower* follower;
-    guide_ok( world, guide_find_ghosts( world, entity, &follower ) );
+    const guide_follower* follower = guide_active_follower( wisp_world_module_state( world, "guide_hair" ), entity );
     int ties = 0;
     for ( int g = 0; g < 60; ++g )
     {

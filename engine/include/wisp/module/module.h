@@ -551,11 +551,23 @@ WISP_API wisp_status wisp_world_add_pairs( wisp_world* world, int pair_count, wi
 WISP_API const wisp_allocator* wisp_world_allocator( wisp_world* world );
 /// State of a module in this world. @return null when the module is not registered
 WISP_API void* wisp_world_module_state( wisp_world* world, const char* module );
-/// What a module's function on a surface checks first: the module is registered, the entity alive and a surface.
-/// @param state receives the module's state
-/// @return WISP_CONFLICT, WISP_STALE_ID, with a message
-WISP_API wisp_status wisp_world_surface_state( wisp_world* world, const char* module, wisp_entity surface,
-                                               void** state );
+/// What an entity is to be for a call, or-ed; 0: anything alive.
+enum
+{
+    WISP_IS_SURFACE = 1,
+    WISP_IS_STRANDS = 2,
+};
+/// Begin a call that needs a module: it is registered, and the entity, or null, is alive and one of these.
+/// @param state receives the module's state @return WISP_CONFLICT, WISP_STALE_ID, with a message
+WISP_API wisp_status wisp_world_find_state( wisp_world* world, const char* module, const wisp_entity* entity,
+                                            unsigned kinds, void** state );
+/// The same in a function that returns the status: declares the state.
+#define WISP_FIND_STATE( type, state, world, module, entity, kinds )                                                 \
+    void* state##_found;                                                                                             \
+    WISP_TRY( wisp_world_find_state( world, module, entity, kinds, &state##_found ) );                               \
+    type* const state = state##_found
+/// Begin a call that fills a structure: it is not null, and zero until the call succeeds.
+WISP_API wisp_status wisp_world_begin_read( wisp_world* world, void* out, size_t size );
 /// Run the function of a pass on one entity between steps, on the calling thread: for what a view shows before the first step. Compiles
 /// the plan if needed. @return what the function reported by wisp_frame_fail(), or as wisp_world_explain()
 WISP_API wisp_status wisp_world_run( wisp_world* world, wisp_entity entity, wisp_pass_fn* run, void* user );
