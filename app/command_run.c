@@ -285,22 +285,8 @@ static wisp_status simulate( scene_world* world, int steps, run_recorder* record
             }
         }
         // Outside of the measured time: recording does not change the cost of a step.
-        if ( status == WISP_OK )
-        {
-            status = run_recorder_step( recorder, error );
-        }
-        if ( status == WISP_OK )
-        {
-            status = run_layers_step( record->layers, error );
-        }
-        if ( status == WISP_OK )
-        {
-            status = run_collision_step( record->collision, error );
-        }
-        if ( status == WISP_OK )
-        {
-            status = run_intersections_step( record->intersections, error );
-        }
+        status = status == WISP_OK ? run_recorder_step( recorder, error ) : status;
+        status = status == WISP_OK ? run_contact_step( record->contact, error ) : status;
         progress_show( &bar, (double)record->steps / steps, "steps" );
     }
     progress_end( &bar );
@@ -317,24 +303,10 @@ static wisp_status simulate_and_record( run_options* options, scene_world* world
     int steps = options->steps > 0 ? options->steps : world->scene->steps;
     options->recorder.steps = steps;
     options->recorder.is_part = options->steps > 0;
-    const run_layers_def layers = { options->boundary, options->recorder.every };
-    wisp_status status = run_layers_open( &layers, world, steps, &record->layers, error );
-    if ( status == WISP_OK )
-    {
-        status = run_collision_open( world, &record->collision, error );
-    }
-    if ( status == WISP_OK )
-    {
-        status = run_intersections_open( world, &record->intersections, error );
-    }
-    if ( status == WISP_OK )
-    {
-        status = run_recorder_open( &options->recorder, world, &recorder, error );
-    }
-    if ( status == WISP_OK )
-    {
-        status = simulate( world, steps, recorder, record, error );
-    }
+    const run_contact_def contact = { options->boundary, options->recorder.every };
+    wisp_status status = run_contact_open( &contact, world, steps, &record->contact, error );
+    status = status == WISP_OK ? run_recorder_open( &options->recorder, world, &recorder, error ) : status;
+    status = status == WISP_OK ? simulate( world, steps, recorder, record, error ) : status;
     run_recorder_counts counts = run_recorder_count( recorder );
     wisp_error later = { 0 };
     wisp_status closed = run_recorder_close( recorder, status == WISP_OK ? error : &later );
@@ -377,9 +349,7 @@ static wisp_status run_scene( run_options* options, const wisp_scene* scene, res
     WISP_TRY( scene_world_create( scene, &options->world, &world, error ) );
     wisp_status status = simulate_and_record( options, &world, &record, out, error );
     profile_samples_free( &record.profile );
-    run_layers_close( record.layers );
-    run_collision_close( record.collision );
-    run_intersections_close( record.intersections );
+    run_contact_close( record.contact );
     free( record.ms );
     scene_world_destroy( &world );
     return status;
