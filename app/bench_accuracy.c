@@ -1,7 +1,6 @@
 #include "bench_commands.h"
 
 #include "accuracy/accuracy.h"
-#include "bench_texts.h"
 #include "interruption.h"
 #include "io_file.h"
 #include "progress.h"
@@ -26,28 +25,47 @@ typedef struct accuracy_arguments
     double length;
 } accuracy_arguments;
 
-static bool take_accuracy_option( options_state* o, int key, const char* argument )
+static const option_row accuracy_rows[] = {
+    OPTION_TITLE( "Measurement:" ),
+    { "length", 0, "S", "Seconds of motion that are compared; default: all of the scene, at most 1",
+      OPTION_NUMBER( accuracy_arguments, length, 1e6 ) },
+    BENCH_SECONDS_ROW( accuracy_arguments, "Approximate time limit, without that of the converged run; default 30" ),
+    BENCH_WORKERS_ROW( accuracy_arguments ),
+    BENCH_QUICK_ROW( accuracy_arguments, "Fewer settings and samples" ),
+    OPTION_TITLE( "Output:" ),
+    BENCH_FILE_ROWS( accuracy_arguments ),
+    { "suite", 0, "FILE", "Only write the suite that this would run, to be changed, run by 'wisp bench' and gated",
+      OPTION_TEXT( accuracy_arguments, suite, ".yaml" ) },
+};
+
+const command_text accuracy_text = {
+    .name = "accuracy",
+    .operands = "SCENE",
+    .noun = "scene",
+    .summary = "show what accuracy costs in a scene",
+    .about = "Show what accuracy costs in a scene: error and time by substeps, iterations and solvers, the\n"
+             "settings that no other beats, the fastest ones at equal error, the most accurate ones at equal\n"
+             "time, and observed orders.",
+    .notes = "Errors are distances to the same scene with so many substeps and iterations that it has\n"
+             "converged. How far it has is printed; smaller errors are not resolved. That run is kept in\n"
+             "$WISP_CACHE, or in ~/.cache/wisp, and is not made again. Only the first second of a scene is\n"
+             "compared unless --length is given: motion becomes chaotic, and distances say nothing then.",
+    .examples = "wisp accuracy scene.yaml\n"
+                "wisp accuracy scene.yaml --length 0.5 --report accuracy.html\n"
+                "wisp accuracy scene.yaml --suite suite.yaml",
+    .unmet = "a check failed: two runs of one setting have other bits",
+    .rows = accuracy_rows,
+    .row_count = WISP_COUNT( accuracy_rows ),
+    .values = OPTION_INPUT( OPTION_TO_INPUT, accuracy_arguments, scene, ".yaml .yml .json" ),
+};
+
+static void check_accuracy_options( const options_state* o )
 {
-    accuracy_arguments* a = o->input;
-    switch ( key )
+    const accuracy_arguments* a = o->input;
+    bench_check_names( o, &a->files );
+    if ( a->suite && io_is_standard( a->scene ) )
     {
-        case BENCH_KEY_LENGTH:
-            a->length = option_positive( o, argument, 1e6 );
-            return true;
-        case BENCH_KEY_SUITE:
-            a->suite = argument;
-            return true;
-        case OPTIONS_END:
-            option_input( o, key, argument, &a->scene );
-            bench_take_file( o, key, argument, &a->files );
-            if ( a->suite && io_is_standard( a->scene ) )
-            {
-                options_fail( o, "--suite: expected a scene in a file, which the suite names" );
-            }
-            return true;
-        default:
-            return bench_take_measurement( o, key, argument, &a->options ) ||
-                   bench_take_file( o, key, argument, &a->files ) || option_input( o, key, argument, &a->scene );
+        options_fail( o, "--suite: expected a scene in a file, which the suite names" );
     }
 }
 
@@ -68,7 +86,7 @@ int command_accuracy( int argc, char** argv )
 {
     accuracy_arguments a = { .options = bench_default_options() };
     a.options.seconds = 30.0;
-    options_parse( &accuracy_text, take_accuracy_option, &a, argc, argv );
+    options_parse( &accuracy_text, check_accuracy_options, &a, argc, argv );
     interruption_begin();
     results out = { .is_result_first = true };
     results_put_options( &out, argc, argv );
@@ -125,25 +143,43 @@ static int list_names( const char* names[MAX_CASES] )
     return count;
 }
 
-static bool take_validate_option( options_state* o, int key, const char* argument )
+static void choose_validation( const options_state* o, const char* argument )
 {
-    validate_arguments* a = o->input;
     const char* names[MAX_CASES];
-    switch ( key )
-    {
-        case BENCH_KEY_LIST:
-            a->only_list = true;
-            return true;
-        case OPTIONS_OPERAND:
-        {
-            const int count = list_names( names );
-            a->chosen |= 1ull << option_word_of( o, argument, names, count );
-            return true;
-        }
-        default:
-            return bench_take_measurement( o, key, argument, &a->options ) ||
-                   bench_take_file( o, key, argument, &a->files );
-    }
+    const int count = list_names( names );
+    ( (validate_arguments*)o->input )->chosen |= 1ull << option_word_of( o, argument, names, count );
+}
+
+static const option_row validate_rows[] = {
+    OPTION_TITLE( "Measurement:" ),
+    { "list", 'l', NULL, "Print the cases", OPTION_FLAG( validate_arguments, only_list ) },
+    BENCH_QUICK_ROW( validate_arguments, "Fewer settings and samples" ),
+    BENCH_SECONDS_ROW( validate_arguments, "Approximate time limit per case, default 20" ),
+    BENCH_WORKERS_ROW( validate_arguments ),
+    OPTION_TITLE( "Output:" ),
+    BENCH_FILE_ROWS( validate_arguments ),
+};
+
+const command_text validate_text = {
+    .name = "validate",
+    .operands = "[CASE...]",
+    .noun = "CASE",
+    .summary = "measure errors against theory, beside time",
+    .about = "Measure errors against theory beside the time of a step, by every solver that can do a case: with\n"
+             "which settings they converge, and to what. Without a CASE all cases run.",
+    .notes = "Each case says what it tests, what it leaves out, its formula and its source. Errors are shown,\n"
+             "whatever they are: docs/validation.md tells which are large, and why.",
+    .examples = "wisp validate --report validation.html\n"
+                "wisp validate cantilever column --quick",
+    .unmet = "two runs of one setting have other bits",
+    .rows = validate_rows,
+    .row_count = WISP_COUNT( validate_rows ),
+    .values = OPTION_TAKEN( choose_validation ),
+};
+
+static void check_validate_options( const options_state* o )
+{
+    bench_check_names( o, &( (const validate_arguments*)o->input )->files );
 }
 
 static int list_validations( void )
@@ -171,7 +207,7 @@ static wisp_status run_validation( validate_arguments* a, results* out, char* su
 int command_validate( int argc, char** argv )
 {
     validate_arguments a = { .options = bench_default_options() };
-    options_parse( &validate_text, take_validate_option, &a, argc, argv );
+    options_parse( &validate_text, check_validate_options, &a, argc, argv );
     if ( a.only_list )
     {
         return list_validations();

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "bench.h"
-#include "options.h"
+#include "commands.h"
 #include "report.h"
 #include "results.h"
 #include "wisp/base.h"
@@ -14,11 +14,30 @@ typedef struct bench_files
     const char *output, *report; ///< null: standard output; no page
 } bench_files;
 
-/// Take --format, --output and --report, and at the end refuse one file for both.
-/// @return false: the key is none of them
-bool bench_take_file( options_state* o, int key, const char* argument, bench_files* files );
-/// Take --quick, --seconds and --workers. @return false: the key is none of them
-bool bench_take_measurement( const options_state* o, int key, const char* argument, bench_options* options );
+/// Rows that several commands have, whose struct has `options` and `files`.
+#define BENCH_SECONDS_ROW( type, text )                                                                              \
+    {                                                                                                                \
+        "seconds", 0, "S", ( text ), OPTION_NUMBER( type, options.seconds, 1e6 )                                     \
+    }
+#define BENCH_QUICK_ROW( type, text )                                                                                \
+    {                                                                                                                \
+        "quick", 'q', NULL, ( text ), OPTION_FLAG( type, options.quick )                                             \
+    }
+#define BENCH_WORKERS_ROW( type )                                                                                    \
+    {                                                                                                                \
+        "workers", 'w', "N", "Workers of the parallel variant, 1 to 64, default 2",                                  \
+            OPTION_WHOLE( type, options.workers, 1, WISP_MAX_WORKERS )                                               \
+    }
+#define BENCH_FILE_ROWS( type )                                                                                      \
+    OPTION_RESULTS_FORMAT( type, files.format ),                                                                     \
+        { "output", 'o', "FILE", "Write the results to FILE; default: standard output",                              \
+          OPTION_TEXT( type, files.output, "*" ) },                                                                  \
+    {                                                                                                                \
+        "report", 0, "FILE", "Also write an HTML page with charts", OPTION_TEXT( type, files.report, ".html" )       \
+    }
+
+/// Refuse one file for both results and page.
+void bench_check_names( const options_state* o, const bench_files* files );
 /// Check that the files can be written.
 wisp_status bench_check_files( const bench_files* files, wisp_error* error );
 /// Write the results, and the page if there is to be one.

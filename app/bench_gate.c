@@ -1,5 +1,4 @@
 #include "bench_commands.h"
-#include "bench_texts.h"
 
 #include "gate_check.h"
 #include "gate_paired.h"
@@ -39,109 +38,116 @@ typedef struct gate_options
     char** argv;
 } gate_options;
 
-static bool take_gate_option( options_state* p, int key, const char* argument )
+static void take_gate_operand( const options_state* p, const char* argument )
 {
     gate_options* o = p->input;
-    switch ( key )
+    if ( o->suite )
     {
-        case 'b':
-            o->base = argument;
-            return true;
-        case 'o':
-            o->output = argument;
-            return true;
-        case 'r':
-            o->reason = argument;
-            return true;
-        case 'f':
-            o->format = (results_format)option_word( p, argument );
-            return true;
-        case GATE_KEY_NO_INSTRUCTIONS:
-            o->no_instructions = true;
-            return true;
-        case GATE_KEY_CYCLES:
-            o->has_cycles = true;
-            return true;
-        case GATE_KEY_ISA:
-            o->isa = option_isa_words[option_word( p, argument )];
-            return true;
-        case GATE_KEY_STEPS:
-            o->steps = option_whole( p, argument, 1, INT_MAX );
-            return true;
-        case GATE_KEY_ROW:
-            o->row = option_whole( p, argument, 0, SUITE_MAX_ROWS );
-            return true;
-        case GATE_KEY_PAIRED:
-            o->paired = argument;
-            return true;
-        case GATE_KEY_SLOW:
-            o->slow.loops = option_whole( p, argument, 0, INT_MAX );
-            return true;
-        case GATE_KEY_TRIALS:
-            o->trials = option_whole( p, argument, 1, 100000 );
-            return true;
-        case GATE_KEY_TURNS:
-            o->takes_turns = true;
-            return true;
-        case GATE_KEY_PATIENCE:
-            o->patience = option_positive( p, argument, 1e6 );
-            return true;
-        case GATE_KEY_STRICT:
-            o->is_strict = true;
-            return true;
-        case GATE_KEY_JUNIT:
-            o->junit = option_file( p, argument );
-            return true;
-        case GATE_KEY_HTML:
-            o->html = option_file( p, argument );
-            return true;
-        case GATE_KEY_PATCH:
-            o->patch = argument;
-            return true;
-        case GATE_KEY_GITHUB:
-            o->tells_github = true;
-            return true;
-        case OPTIONS_OPERAND:
-            if ( o->suite )
-            {
-                options_fail( p, "got a second suite '%s', expected one", argument );
-            }
-            if ( o->has_action )
-            {
-                o->suite = argument;
-                if ( strcmp( argument, "-" ) == 0 )
-                {
-                    options_fail( p, "suite: got '-', expected a file: other processes read it too" );
-                }
-                return true;
-            }
-            o->has_action = true;
-            o->action = (gate_action)option_word( p, argument );
-            return true;
-        case OPTIONS_END:
-            if ( o->suite == NULL )
-            {
-                options_fail( p, "expected an action and a suite, such as check suite.yaml" );
-            }
-            if ( o->action == ACTION_ACCEPT && ( o->reason == NULL || strlen( o->reason ) >= GATE_MAX_REASON ) )
-            {
-                options_fail( p, "accept: expected --reason with up to %d bytes", (int)GATE_MAX_REASON - 1 );
-            }
-            if ( o->steps > 0 && o->paired != NULL )
-            {
-                options_fail( p, "--steps: not with --paired, which divides rows into turns" );
-            }
-            if ( o->base == NULL && ( o->action == ACTION_RECORD || o->action == ACTION_ACCEPT ) )
-            {
-                o->base = o->output;
-            }
-            if ( o->patch && ( o->action != ACTION_ACCEPT || ( o->base ? o->base : o->suite )[0] == '/' ) )
-            {
-                options_fail( p, "--patch: expected accept, and a base file below this folder" );
-            }
-            return true;
-        default:
-            return false;
+        options_fail( p, "got a second suite '%s', expected one", argument );
+    }
+    if ( o->has_action && strcmp( argument, "-" ) == 0 )
+    {
+        options_fail( p, "suite: got '-', expected a file: other processes read it too" );
+    }
+    if ( o->has_action )
+    {
+        o->suite = argument;
+        return;
+    }
+    o->has_action = true;
+    o->action = (gate_action)option_word( p, argument );
+}
+
+static const char* const action_words[] = { "record", "check", "accept", "step", "self-test" };
+
+static const option_row gate_rows[] = {
+    OPTION_TITLE( "Files:" ),
+    { "base", 'b', "FILE", "The base file, default SUITE-base.json beside the suite",
+      OPTION_TEXT( gate_options, base, ".json" ) },
+    { "output", 'o', "FILE", "The results; record, accept: the base file, as --base",
+      OPTION_TEXT( gate_options, output, ".json" ) },
+    OPTION_TITLE( "Measuring:" ),
+    { "no-instructions", 0, NULL, "Do not count instructions, for which valgrind is needed",
+      OPTION_FLAG( gate_options, no_instructions ) },
+    { "cycles", 0, NULL, "record, accept: estimate cycles too, with a model of caches; three times as slow",
+      OPTION_FLAG( gate_options, has_cycles ) },
+    { "isa", 0, "SET", "Kernels: baseline, avx2 or avx512; default: the best, whose bits are the same",
+      OPTION_NAME( gate_options, isa, option_isa_words ) },
+    { "steps", 0, "N", "Measure the first N steps of each row", OPTION_WHOLE( gate_options, steps, 1, INT_MAX ) },
+    { "row", 0, "N", "step, self-test: number of the row, counted from 0",
+      OPTION_WHOLE( gate_options, row, 0, SUITE_MAX_ROWS ) },
+    { "turns", 0, NULL, NULL, OPTION_FLAG( gate_options, takes_turns ) },
+    { "slow", 0, "N", NULL, OPTION_WHOLE( gate_options, slow.loops, 0, INT_MAX ) },
+    { "trials", 0, "N", "self-test: gates of each slow-down, default 10",
+      OPTION_WHOLE( gate_options, trials, 1, 100000 ) },
+    { "paired", 0, "WISP", "check: compare times with another program, instead of a base file",
+      OPTION_TEXT( gate_options, paired, "*" ) },
+    { "patience", 0, "S", "check --paired: longest time of one run of a row, default 120 s",
+      OPTION_NUMBER( gate_options, patience, 1e6 ) },
+    OPTION_TITLE( "Verdict:" ),
+    { "reason", 'r', "TEXT", "accept: why the new values are right; it is kept in the base file",
+      OPTION_TEXT( gate_options, reason, NULL ) },
+    { "patch", 0, "FILE", "accept: leave the base file, and write a patch for 'git apply'",
+      OPTION_TEXT( gate_options, patch, "*" ) },
+    { "strict", 0, NULL, "check: rows that only the suite or only the base has fail, too",
+      OPTION_FLAG( gate_options, is_strict ) },
+    OPTION_TITLE( "Output:" ),
+    OPTION_RESULTS_FORMAT( gate_options, format ),
+    { "junit", 0, "FILE", "Write JUnit's XML too, a test case for each row",
+      OPTION_FILE( gate_options, junit, ".xml" ) },
+    { "html", 0, "FILE", "Write one HTML page too, with charts of before and after",
+      OPTION_FILE( gate_options, html, ".html" ) },
+    { "github", 0, NULL, "Tell GitHub: annotations, and the table in the summary of the step",
+      OPTION_FLAG( gate_options, tells_github ) },
+};
+
+const command_text gate_text = {
+    .name = "gate",
+    .operands = "ACTION SUITE",
+    .noun = "action",
+    .summary = "measure the scenes of a suite, and fail if one became worse",
+    .about = "Measure the scenes of a suite and fail if one became worse.",
+    .notes = "Actions:\n"
+             "  record SUITE     measure all rows and write the base file\n"
+             "  check SUITE      measure all rows and compare them with the base file\n"
+             "  accept SUITE     the same as record, with a reason, which the base file keeps\n"
+             "  self-test SUITE  compare times of this program with itself, slowed down: what is found?\n"
+             "  step SUITE       only run the steps of one row, for profilers\n"
+             "\n"
+             "What is compared is the same in every run: bits of all points, instructions, bytes,\n"
+             "allocations, stretch, energy, penetration, intersections, resets. docs/gate.md has the format\n"
+             "of suites and of budgets.",
+    .examples = "wisp gate record suite.yaml -o base.json\n"
+                "wisp gate check suite.yaml --base base.json --junit gate.xml\n"
+                "wisp gate check suite.yaml --paired ../old/build/app/wisp",
+    .unmet = "a row is worse than its budget allows",
+    .rows = gate_rows,
+    .row_count = WISP_COUNT( gate_rows ),
+    .values = { action_words, WISP_COUNT( action_words ), ".yaml", .to = { .take = take_gate_operand } },
+};
+
+static void check_gate_options( const options_state* p )
+{
+    gate_options* o = p->input;
+    if ( o->suite == NULL )
+    {
+        options_fail( p, "expected an action and a suite, such as check suite.yaml" );
+    }
+    if ( o->action == ACTION_ACCEPT && ( o->reason == NULL || strlen( o->reason ) >= GATE_MAX_REASON ) )
+    {
+        options_fail( p, "accept: expected --reason with up to %d bytes", (int)GATE_MAX_REASON - 1 );
+    }
+    if ( o->steps > 0 && o->paired != NULL )
+    {
+        options_fail( p, "--steps: not with --paired, which divides rows into turns" );
+    }
+    if ( o->base == NULL && ( o->action == ACTION_RECORD || o->action == ACTION_ACCEPT ) )
+    {
+        o->base = o->output;
+    }
+    if ( o->patch && ( o->action != ACTION_ACCEPT || ( o->base ? o->base : o->suite )[0] == '/' ) )
+    {
+        options_fail( p, "--patch: expected accept, and a base file below this folder" );
     }
 }
 
@@ -535,7 +541,7 @@ static int run_action( wisp_suite* suite, gate_options* o, wisp_error* error )
 int command_gate( int argc, char** argv )
 {
     gate_options options = { .argc = argc, .argv = argv, .patience = 120.0 };
-    options_parse( &gate_text, take_gate_option, &options, argc, argv );
+    options_parse( &gate_text, check_gate_options, &options, argc, argv );
     interruption_begin();
     // suite.yaml has suite-base.json
     char beside[PATH_MAX + 16];

@@ -3,7 +3,6 @@
 
 #include "accuracy/accuracy.h"
 #include "bench.h"
-#include "bench_texts.h"
 #include "interruption.h"
 #include "io_file.h"
 #include "nearest.h"
@@ -20,46 +19,12 @@
 
 // Options that commands that measure share, and what they write: results, and a page.
 
-bool bench_take_file( options_state* o, int key, const char* argument, bench_files* files )
+void bench_check_names( const options_state* o, const bench_files* files )
 {
-    switch ( key )
+    // without a file the results go to standard output
+    if ( files->report != NULL && strcmp( files->report, files->output ? files->output : "-" ) == 0 )
     {
-        case BENCH_KEY_FORMAT:
-            files->format = (results_format)option_word( o, argument );
-            return true;
-        case BENCH_KEY_OUTPUT:
-            files->output = argument;
-            return true;
-        case BENCH_KEY_REPORT:
-            files->report = argument;
-            return true;
-        case OPTIONS_END:
-            // without a file the results go to standard output
-            if ( files->report != NULL && strcmp( files->report, files->output ? files->output : "-" ) == 0 )
-            {
-                options_fail( o, "--report and --output both write to '%s'", files->report );
-            }
-            return true;
-        default:
-            return false;
-    }
-}
-
-bool bench_take_measurement( const options_state* o, int key, const char* argument, bench_options* options )
-{
-    switch ( key )
-    {
-        case BENCH_KEY_QUICK:
-            options->quick = true;
-            return true;
-        case BENCH_KEY_SECONDS:
-            options->seconds = option_positive( o, argument, 1e6 );
-            return true;
-        case BENCH_KEY_WORKERS:
-            options->workers = option_whole( o, argument, 1, WISP_MAX_WORKERS );
-            return true;
-        default:
-            return false;
+        options_fail( o, "--report and --output both write to '%s'", files->report );
     }
 }
 
@@ -114,8 +79,9 @@ static bool is_path( const char* word )
     return strchr( word, '/' ) != NULL || strchr( word, '.' ) != NULL || io_is_standard( word );
 }
 
-static void choose_case( const options_state* o, bench_arguments* arguments, const char* word )
+static void choose_case( const options_state* o, const char* word )
 {
+    bench_arguments* arguments = o->input;
     int count;
     const bench_case* cases = bench_cases( &count );
     const char* names[CASES_MAX];
@@ -160,31 +126,52 @@ static bool has_suite( const bench_arguments* arguments )
     return has;
 }
 
-static bool take_bench_option( options_state* o, int key, const char* argument )
+static void check_bench_options( const options_state* o )
 {
-    bench_arguments* arguments = o->input;
-    switch ( key )
+    const bench_arguments* arguments = o->input;
+    if ( arguments->options.longest && !has_suite( arguments ) )
     {
-        case BENCH_KEY_LIST:
-            arguments->only_list = true;
-            return true;
-        case BENCH_KEY_LONG:
-            arguments->options.longest = true;
-            return true;
-        case OPTIONS_OPERAND:
-            choose_case( o, arguments, argument );
-            return true;
-        case OPTIONS_END:
-            if ( arguments->options.longest && !has_suite( arguments ) )
-            {
-                check_option( o, arguments, "--long", " stability ", "case 'stability' and of suites" );
-            }
-            return bench_take_file( o, key, argument, &arguments->files );
-        default:
-            return bench_take_measurement( o, key, argument, &arguments->options ) ||
-                   bench_take_file( o, key, argument, &arguments->files );
+        check_option( o, arguments, "--long", " stability ", "case 'stability' and of suites" );
     }
+    bench_check_names( o, &arguments->files );
 }
+
+#define BENCH_CASE( name, purpose, function ) name,
+static const char* const case_names[] = {
+#include "../bench/cases.inc"
+};
+#undef BENCH_CASE
+
+static const option_row bench_rows[] = {
+    OPTION_TITLE( "Measurement:" ),
+    { "list", 'l', NULL, "Print the cases and what each measures", OPTION_FLAG( bench_arguments, only_list ) },
+    BENCH_QUICK_ROW( bench_arguments, "Fewer samples and no large sizes: 20 s per case, not 90" ),
+    BENCH_SECONDS_ROW( bench_arguments, "Approximate time limit per case" ),
+    BENCH_WORKERS_ROW( bench_arguments ),
+    OPTION_TITLE( "Output:" ),
+    BENCH_FILE_ROWS( bench_arguments ),
+    OPTION_TITLE( "Options of single cases:" ),
+    { "long", 0, NULL, "stability, suites: also rows that are long, such as a million steps at rest",
+      OPTION_FLAG( bench_arguments, options.longest ) },
+};
+
+const command_text bench_text = {
+    .name = "bench",
+    .operands = "[CASE|SUITE...]",
+    .noun = "CASE",
+    .summary = "measure time and error together",
+    .about = "Measure time, error and hash together. Without a CASE all cases run.\n"
+             "A SUITE is a YAML file of scenes and settings: docs/suites.md has its format.",
+    .notes = "A check fails if hashes differ between worker counts, if an error is above its\n"
+             "tolerance, or if a hard case breaks. Its line begins with FAILED.",
+    .examples = "wisp bench --list\n"
+                "wisp bench cloth --quick --report cloth.html\n"
+                "wisp bench suite.yaml",
+    .unmet = "a check failed",
+    .rows = bench_rows,
+    .row_count = WISP_COUNT( bench_rows ),
+    .values = { case_names, WISP_COUNT( case_names ), ".yaml", .to = { .take = choose_case } },
+};
 
 // ---- running ----
 
@@ -273,7 +260,7 @@ wisp_status bench_describe_machine( machine_info* out, wisp_error* error )
 int command_bench( int argc, char** argv )
 {
     bench_arguments arguments = { .options = bench_default_options() };
-    options_parse( &bench_text, take_bench_option, &arguments, argc, argv );
+    options_parse( &bench_text, check_bench_options, &arguments, argc, argv );
     if ( arguments.only_list )
     {
         return list_cases();

@@ -2,7 +2,6 @@
 #include "bench_commands.h"
 
 #include "bench_output.h"
-#include "bench_texts.h"
 #include "sweep_merge.h"
 
 #include <math.h>
@@ -382,11 +381,30 @@ typedef struct merge_arguments
     bench_files files;
 } merge_arguments;
 
-static bool take_merge_option( options_state* o, int key, const char* argument )
+static const option_row merge_rows[] = {
+    BENCH_FILE_ROWS( merge_arguments ),
+};
+
+const command_text merge_text = {
+    .name = "merge",
+    .operands = "FOLDER",
+    .noun = "folder",
+    .summary = "make one result of the parts of a sweep",
+    .about = "Make one result of the parts that 'wisp sweep' has written to a folder.",
+    .notes = "Nothing is merged if a part or a row is missing, if parts are of different suites or versions, or if\n"
+             "two runs of a row have different bits. Errors come from any machine. Times come from runs with\n"
+             "--exclusive alone; where they are of several processors, a column names these.",
+    .examples = "wisp merge results\n"
+                "wisp merge results --report sweep.html --format csv -o sweep.csv",
+    .unmet = "a row could not be run, or breaks a check that it should not",
+    .rows = merge_rows,
+    .row_count = WISP_COUNT( merge_rows ),
+    .values = OPTION_INPUT( OPTION_TO_INPUT, merge_arguments, folder, "/" ),
+};
+
+static void check_merge_options( const options_state* o )
 {
-    merge_arguments* a = o->input;
-    const bool is_file = bench_take_file( o, key, argument, &a->files );
-    return key == OPTIONS_END || is_file == false ? option_input( o, key, argument, &a->folder ) : true;
+    bench_check_names( o, &( (const merge_arguments*)o->input )->files );
 }
 
 // The machine of all rows, or that there are several.
@@ -415,7 +433,7 @@ static void describe_machines( sweep_merge* merge, results* out )
 int command_merge( int argc, char** argv )
 {
     merge_arguments a = { .folder = NULL };
-    options_parse( &merge_text, take_merge_option, &a, argc, argv );
+    options_parse( &merge_text, check_merge_options, &a, argc, argv );
     results out = { .is_result_first = true };
     sweep_merge merge;
     wisp_error error = { 0 };

@@ -1,6 +1,5 @@
 #include "bench_commands.h"
 
-#include "bench_texts.h"
 #include "interruption.h"
 #include "io_file.h"
 #include "progress.h"
@@ -24,43 +23,59 @@ typedef struct sweep_arguments
     bool is_exclusive, only_list;
 } sweep_arguments;
 
-static bool take_sweep_option( options_state* o, int key, const char* argument )
+static void take_shard( const options_state* o, const char* argument )
 {
     sweep_arguments* a = o->input;
     wisp_error error;
-    switch ( key )
+    if ( sweep_shard_parse( argument, &a->shard, &a->shards, &error ) != WISP_OK )
     {
-        case BENCH_KEY_OUTPUT:
-            a->folder = argument;
-            return true;
-        case BENCH_KEY_SHARD:
-            if ( sweep_shard_parse( argument, &a->shard, &a->shards, &error ) != WISP_OK )
-            {
-                options_fail( o, "%s", error.message );
-            }
-            return true;
-        case BENCH_KEY_EXCLUSIVE:
-            a->is_exclusive = true;
-            return true;
-        case BENCH_KEY_WORKERS:
-            a->workers = option_whole( o, argument, 1, WISP_MAX_WORKERS );
-            return true;
-        case BENCH_KEY_LIST:
-            a->only_list = true;
-            return true;
-        case OPTIONS_END:
-            option_input( o, key, argument, &a->suite );
-            if ( a->folder == NULL && a->only_list == false )
-            {
-                options_fail( o, "expected a folder for the part, such as -o results" );
-            }
-            if ( a->workers > 1 && a->is_exclusive == false )
-            {
-                options_fail( o, "--workers: only runs with --exclusive are timed" );
-            }
-            return true;
-        default:
-            return option_input( o, key, argument, &a->suite );
+        options_fail( o, "%s", error.message );
+    }
+}
+
+static const option_row sweep_rows[] = {
+    OPTION_TITLE( "What is run:" ),
+    { "output", 'o', "FOLDER", "Folder of the parts, made if it is not there; required",
+      OPTION_TEXT( sweep_arguments, folder, "/" ) },
+    { "shard", 0, "K/N", "The share K of N, from 1/N to N/N; default: all", OPTION_TAKEN( take_shard ) },
+    { "list", 'l', NULL, "Print the numbers, hashes and names of the items, and run none",
+      OPTION_FLAG( sweep_arguments, only_list ) },
+    OPTION_TITLE( "Times:" ),
+    { "exclusive", 0, NULL, "Nothing else runs on this machine: measure times too",
+      OPTION_FLAG( sweep_arguments, is_exclusive ) },
+    { "workers", 'w', "N", "Time with one worker and with N, 1 to 64, default 1",
+      OPTION_WHOLE( sweep_arguments, workers, 1, WISP_MAX_WORKERS ) },
+};
+
+const command_text sweep_text = {
+    .name = "sweep",
+    .operands = "SUITE",
+    .noun = "suite",
+    .summary = "run a suite in shares, on one or many machines",
+    .about = "Run the rows of a suite, or a share of them, and keep the errors, hashes and measures of each in a\n"
+             "part file. 'wisp merge' makes one result of all parts. docs/scaling.md shows how clusters run it.",
+    .notes = "Rows go to shares by the hash of their settings; one in a hundred is run by two of them, and must\n"
+             "have the same bits. A part gets a line for each row, so a process that is killed loses the row\n"
+             "that it ran. The same command goes on: rows that are there are not run again.",
+    .examples = "wisp sweep suite.yaml -o results\n"
+                "wisp sweep suite.yaml -o results --shard 2/8\n"
+                "sbatch --array=1-8 --wrap 'wisp sweep s.yaml -o out --shard $SLURM_ARRAY_TASK_ID/8'",
+    .unmet = "a row could not be run, or breaks a check that it should not",
+    .rows = sweep_rows,
+    .row_count = WISP_COUNT( sweep_rows ),
+    .values = OPTION_INPUT( OPTION_TO_INPUT, sweep_arguments, suite, ".yaml .yml .json" ),
+};
+
+static void check_sweep_options( const options_state* o )
+{
+    const sweep_arguments* a = o->input;
+    if ( a->folder == NULL && a->only_list == false )
+    {
+        options_fail( o, "expected a folder for the part, such as -o results" );
+    }
+    if ( a->workers > 1 && a->is_exclusive == false )
+    {
+        options_fail( o, "--workers: only runs with --exclusive are timed" );
     }
 }
 
@@ -238,7 +253,7 @@ static wisp_status run_shard( const sweep_arguments* a, const wisp_suite* suite,
 int command_sweep( int argc, char** argv )
 {
     sweep_arguments a = { .workers = 1, .shard = 1, .shards = 1 };
-    options_parse( &sweep_text, take_sweep_option, &a, argc, argv );
+    options_parse( &sweep_text, check_sweep_options, &a, argc, argv );
     interruption_begin();
     wisp_error error = { 0 };
     wisp_suite suite = { .rows = NULL };

@@ -1,5 +1,4 @@
 #include "bench_commands.h"
-#include "bench_texts.h"
 
 #include "interruption.h"
 #include "io_file.h"
@@ -21,42 +20,53 @@ typedef struct torture_options
     const char* files[FILES_MAX];
     int file_count, twin;
     double seconds; ///< of wall time, of a scene
-    int close;      ///< TORTURE_CLOSE, or 0
+    bool is_close;  ///< judge by the close limits, too
     results_format format;
 } torture_options;
 
-static bool take_torture_option( options_state* o, int key, const char* argument )
+static void take_scene_file( const options_state* o, const char* argument )
 {
     torture_options* options = o->input;
-    switch ( key )
+    if ( options->file_count == FILES_MAX )
     {
-        case TORTURE_KEY_LIMIT:
-            options->seconds = option_positive( o, argument, 1e6 );
-            return true;
-        case TORTURE_KEY_TWIN:
-            options->twin = option_word( o, argument );
-            return true;
-        case TORTURE_KEY_CLOSE:
-            options->close = TORTURE_CLOSE;
-            return true;
-        case TORTURE_KEY_FORMAT:
-            options->format = (results_format)option_word( o, argument );
-            return true;
-        case OPTIONS_OPERAND:
-            if ( options->file_count == FILES_MAX )
-            {
-                options_fail( o, "got more than %d scenes", FILES_MAX );
-            }
-            options->files[options->file_count++] = argument;
-            return true;
-        case OPTIONS_END:
-            if ( options->file_count == 0 )
-            {
-                options_fail( o, "expected a scene" );
-            }
-            return true;
-        default:
-            return false;
+        options_fail( o, "got more than %d scenes", FILES_MAX );
+    }
+    options->files[options->file_count++] = argument;
+}
+
+static const char* const twin_words[] = { "all", "bits", "snapshot", "scale", "shift" };
+static const option_row torture_rows[] = {
+    OPTION_TITLE( "Judgement:" ),
+    { "limit", 0, "SECONDS", "Wall time of a scene, default 20", OPTION_NUMBER( torture_options, seconds, 1e6 ) },
+    { "twin", 0, "TWIN", "Run it again in this way alone, default all",
+      OPTION_WORD( torture_options, twin, twin_words ) },
+    { "close", 0, NULL, "Judge by the close limits of suites with checks, too",
+      OPTION_FLAG( torture_options, is_close ) },
+    OPTION_TITLE( "Output:" ),
+    OPTION_RESULTS_FORMAT( torture_options, format ),
+};
+
+const command_text torture_text = {
+    .name = "torture",
+    .operands = "SCENE...",
+    .noun = "scene",
+    .summary = "judge whether the engine withstands scenes",
+    .about = "Judge whether the engine withstands scenes.",
+    .notes = "Each scene runs in a process of its own, and again in other ways, and is judged: crash,\n"
+             "time, status, finite, halted, energy, strain, penetration, intersections, rest, bits,\n"
+             "snapshot, scale, shift. docs/outputs.md explains each.",
+    .examples = "wisp torture --close data/scenes/flag.yaml",
+    .unmet = "a scene breaks",
+    .rows = torture_rows,
+    .row_count = WISP_COUNT( torture_rows ),
+    .values = { .files = ".yaml .yml .json", .to = { .take = take_scene_file } },
+};
+
+static void check_torture_options( const options_state* o )
+{
+    if ( ( (const torture_options*)o->input )->file_count == 0 )
+    {
+        options_fail( o, "expected a scene" );
     }
 }
 
@@ -124,7 +134,7 @@ static wisp_status judge_file( const torture_options* options, const char* path,
     status = status == WISP_OK ? torture_read( &subject, &scene, error ) : status;
     if ( status == WISP_OK )
     {
-        const int twins = twins_of[options->twin] | options->close;
+        const int twins = twins_of[options->twin] | ( options->is_close ? TORTURE_CLOSE : 0 );
         const stability_verdict verdict = torture_judge_scene( &subject, twins, options->seconds );
         const bool is_judged = !interruption_came();
         found->scenes += is_judged;
@@ -143,7 +153,7 @@ int command_torture( int argc, char** argv )
 {
     static torture_options options; // too large for a stack
     options = ( torture_options ){ .seconds = 20.0 };
-    options_parse( &torture_text, take_torture_option, &options, argc, argv );
+    options_parse( &torture_text, check_torture_options, &options, argc, argv );
     interruption_begin();
     wisp_error error = { 0 };
     wisp_status status = WISP_OK;

@@ -10,19 +10,30 @@ typedef struct compare_options
     results_format format;
 } compare_options;
 
-enum
-{
-    COMPARE_KEY_LEAST = 256,
+static const option_row compare_rows[] = {
+    { "least", 0, "FRACTION", "Smallest change of a time that counts, default 0.25",
+      OPTION_NUMBER( compare_options, least, 100.0 ) },
+    OPTION_RESULTS_FORMAT( compare_options, format ),
 };
 
-static const option_row compare_rows[] = {
-    { "least", COMPARE_KEY_LEAST, "FRACTION", "Smallest change of a time that counts, default 0.25", OPTION_ANY },
-    { "format",
-      'f',
-      "FORMAT",
-      "text (default), markdown, csv, json or latex",
-      { results_format_names, RESULTS_FORMAT_COUNT, NULL } },
-};
+static void take_result_file( const options_state* o, const char* argument )
+{
+    compare_options* given = o->input;
+    if ( given->after )
+    {
+        options_fail( o, "got a third file '%s', expected two", argument );
+    }
+    *( given->before ? &given->after : &given->before ) = argument;
+}
+
+static void check_compare_options( const options_state* o )
+{
+    const compare_options* given = o->input;
+    if ( !given->after )
+    {
+        options_fail( o, "expected two result files, such as before.json after.json" );
+    }
+}
 
 const command_text compare_text = {
     .name = "compare",
@@ -38,42 +49,13 @@ const command_text compare_text = {
                 "wisp compare before.json after.json --least 0.1 --format markdown",
     .rows = compare_rows,
     .row_count = WISP_COUNT( compare_rows ),
-    .values = OPTION_FILES( ".json" ),
+    .values = { .files = ".json", .to = { .take = take_result_file } },
 };
-
-static bool take_compare_option( options_state* o, int key, const char* argument )
-{
-    compare_options* given = o->input;
-    switch ( key )
-    {
-        case COMPARE_KEY_LEAST:
-            given->least = option_positive( o, argument, 100.0 );
-            return true;
-        case 'f':
-            given->format = (results_format)option_word( o, argument );
-            return true;
-        case OPTIONS_OPERAND:
-            if ( given->after )
-            {
-                options_fail( o, "got a third file '%s', expected two", argument );
-            }
-            *( given->before ? &given->after : &given->before ) = argument;
-            return true;
-        case OPTIONS_END:
-            if ( !given->after )
-            {
-                options_fail( o, "expected two result files, such as before.json after.json" );
-            }
-            return true;
-        default:
-            return false;
-    }
-}
 
 int command_compare( int argc, char** argv )
 {
     compare_options options = { .least = 0.25 };
-    options_parse( &compare_text, take_compare_option, &options, argc, argv );
+    options_parse( &compare_text, check_compare_options, &options, argc, argv );
     wisp_error error = { 0 };
     results out = { .machine = machine_describe( "" ), .is_result_first = true };
     results_put_options( &out, argc, argv );

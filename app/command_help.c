@@ -87,7 +87,7 @@ static void put_option( const option_row* row, FILE* out )
 {
     char name[80];
     fputs( ".TP\n", out );
-    if ( row->key < OPTION_KEY )
+    if ( row->key )
     {
         fprintf( out, "\\fB\\-%c\\fR, ", row->key );
     }
@@ -364,7 +364,7 @@ static void put_bash_command( const command_text* program, const command_text* c
         if ( is_shown( row ) && needs_value( row ) )
         {
             fprintf( out, "                --%s", row->name );
-            if ( row->key < OPTION_KEY )
+            if ( row->key )
             {
                 fprintf( out, " | -%c", row->key );
             }
@@ -405,8 +405,15 @@ static void print_bash( const command_text* program, FILE* out )
 
 // ---- help ----
 
+typedef struct help_options
+{
+    const char* word;
+    bool is_manual;
+} help_options;
+
 static const option_row help_rows[] = {
-    { "man", 'm', NULL, "Print the page in the language of man(7), for 'man -l -'", OPTION_ANY },
+    { "man", 'm', NULL, "Print the page in the language of man(7), for 'man -l -'",
+      OPTION_FLAG( help_options, is_manual ) },
 };
 
 const command_text help_text = {
@@ -419,25 +426,13 @@ const command_text help_text = {
                 "wisp help run --man | man -l -",
     .rows = help_rows,
     .row_count = WISP_COUNT( help_rows ),
+    .values = OPTION_INPUT( OPTION_TO_INPUT_IF_ANY, help_options, word, NULL ),
 };
-
-typedef struct help_options
-{
-    const char* word;
-    bool is_manual;
-} help_options;
-
-static bool take_help( options_state* o, int key, const char* argument )
-{
-    help_options* given = o->input;
-    given->is_manual = given->is_manual || key == 'm';
-    return key == OPTIONS_OPERAND ? option_input( o, key, argument, &given->word ) : true;
-}
 
 int command_help( int argc, char** argv )
 {
     help_options given = { 0 };
-    options_parse( &help_text, take_help, &given, argc, argv );
+    options_parse( &help_text, NULL, &given, argc, argv );
     int count;
     const command_text* const* all = program_text.commands( &count );
     const command_text* chosen = given.word ? NULL : &program_text;
@@ -464,6 +459,24 @@ int command_help( int argc, char** argv )
 
 static const char* const shell_words[] = { "bash" };
 
+static void take_shell( const options_state* o, const char* argument )
+{
+    int* shell = o->input;
+    if ( *shell >= 0 )
+    {
+        options_fail( o, "got a second shell '%s', expected one", argument );
+    }
+    *shell = option_word( o, argument );
+}
+
+static void check_shell( const options_state* o )
+{
+    if ( *(const int*)o->input < 0 )
+    {
+        options_fail( o, "expected a shell: bash" );
+    }
+}
+
 const command_text completion_text = {
     .name = "completion",
     .operands = "SHELL",
@@ -473,31 +486,13 @@ const command_text completion_text = {
     .notes = "Packages install this script. For one user:\n"
              "  wisp completion bash > ~/.local/share/bash-completion/completions/wisp",
     .examples = "source <(wisp completion bash)",
-    .values = OPTION_WORDS( shell_words ),
+    .values = { OPTION_LIST( shell_words ), .to = { .take = take_shell } },
 };
-
-static bool take_completion( options_state* o, int key, const char* argument )
-{
-    int* shell = o->input;
-    if ( key == OPTIONS_OPERAND && *shell >= 0 )
-    {
-        options_fail( o, "got a second shell '%s', expected one", argument );
-    }
-    if ( key == OPTIONS_OPERAND )
-    {
-        *shell = option_word( o, argument );
-    }
-    if ( key == OPTIONS_END && *shell < 0 )
-    {
-        options_fail( o, "expected a shell: bash" );
-    }
-    return true;
-}
 
 int command_completion( int argc, char** argv )
 {
     int shell = -1;
-    options_parse( &completion_text, take_completion, &shell, argc, argv );
+    options_parse( &completion_text, check_shell, &shell, argc, argv );
     print_bash( &program_text, stdout );
     return command_end( WISP_OK, &( wisp_error ){ 0 } );
 }

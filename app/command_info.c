@@ -20,8 +20,9 @@ typedef struct info_options
 } info_options;
 
 static const option_row info_rows[] = {
-    { "host", OPTION_KEY, NULL, "Print the C of a host that makes the world of a scene", OPTION_ANY },
-    { "keys", 'k', NULL, "Print every key of a scene, or those of a BLOCK such as surfaces.cloth", OPTION_ANY },
+    { "host", 0, NULL, "Print the C of a host that makes the world of a scene", OPTION_FLAG( info_options, host ) },
+    { "keys", 'k', NULL, "Print every key of a scene, or those of a BLOCK such as surfaces.cloth",
+      OPTION_FLAG( info_options, keys ) },
 };
 
 const command_text info_text = {
@@ -41,35 +42,16 @@ const command_text info_text = {
                 "wisp info --host data/scenes/cloth_on_ball.yaml > host.c",
     .rows = info_rows,
     .row_count = WISP_COUNT( info_rows ),
-    .values = OPTION_FILES( ".yaml .yml .json .wisp .pc2 .obj .ply .glb .gltf .hair" ),
+    .values = OPTION_INPUT( OPTION_TO_INPUT_IF_ANY, info_options, argument,
+                            ".yaml .yml .json .wisp .pc2 .obj .ply .glb .gltf .hair" ),
 };
 
-static bool take_info_option( options_state* o, int key, const char* argument )
+static void check_info_options( const options_state* o )
 {
-    info_options* given = o->input;
-    switch ( key )
+    const info_options* given = o->input;
+    if ( !given->argument && !given->keys )
     {
-        case 'k':
-            given->keys = true;
-            return true;
-        case OPTION_KEY:
-            given->host = true;
-            return true;
-        case OPTIONS_OPERAND:
-            if ( given->argument )
-            {
-                options_fail( o, "got a second file '%s', expected one", argument );
-            }
-            given->argument = argument;
-            return true;
-        case OPTIONS_END:
-            if ( !given->argument && !given->keys )
-            {
-                options_fail( o, "expected a file" );
-            }
-            return true;
-        default:
-            return false;
+        options_fail( o, "expected a file" );
     }
 }
 
@@ -497,7 +479,7 @@ static wisp_status info_keys( const char* block, wisp_error* error )
 int command_info( int argc, char** argv )
 {
     info_options given = { 0 };
-    options_parse( &info_text, take_info_option, &given, argc, argv );
+    options_parse( &info_text, check_info_options, &given, argc, argv );
 
     wisp_error error = { 0 };
     wisp_status status = given.host   ? info_host( given.argument, &error )

@@ -8,13 +8,6 @@
 
 enum
 {
-    PLAN_KEY_STEPS = 's',
-    PLAN_KEY_FORMAT = 'f',
-    PLAN_KEY_VERBOSE = 'v',
-};
-
-enum
-{
     FORMAT_TEXT,
     FORMAT_DOT,
     FORMAT_JSON,
@@ -23,11 +16,21 @@ enum
 
 static const char* const format_words[FORMAT_COUNT] = { "text", "dot", "json" };
 
+typedef struct plan_options
+{
+    const char* scene;
+    int format;
+    int steps;
+    bool is_verbose;
+} plan_options;
+
 static const option_row plan_rows[] = {
-    { "verbose", PLAN_KEY_VERBOSE, NULL, "Also print what passes read and write, and absent passes", OPTION_ANY },
-    { "format", PLAN_KEY_FORMAT, "FORMAT", "text (default), dot for Graphviz, or json",
-      OPTION_WORDS( format_words ) },
-    { "steps", PLAN_KEY_STEPS, "N", "Measure the first N steps, 10 by default, 0 for none", OPTION_ANY },
+    { "verbose", 'v', NULL, "Also print what passes read and write, and absent passes",
+      OPTION_FLAG( plan_options, is_verbose ) },
+    { "format", 'f', "FORMAT", "text (default), dot for Graphviz, or json",
+      OPTION_WORD( plan_options, format, format_words ) },
+    { "steps", 's', "N", "Measure the first N steps, 10 by default, 0 for none",
+      OPTION_WHOLE( plan_options, steps, 0, PLAN_STEPS_MAX ) },
 };
 
 const command_text plan_text = {
@@ -44,35 +47,8 @@ const command_text plan_text = {
                 "wisp plan data/scenes/flag.yaml --format dot | dot -Tsvg > plan.svg",
     .rows = plan_rows,
     .row_count = WISP_COUNT( plan_rows ),
-    .values = OPTION_FILES( ".yaml .yml .json" ),
+    .values = OPTION_INPUT( OPTION_TO_INPUT, plan_options, scene, ".yaml .yml .json" ),
 };
-
-typedef struct plan_options
-{
-    const char* scene;
-    int format;
-    int steps;
-    bool is_verbose;
-} plan_options;
-
-static bool take_plan_option( options_state* o, int key, const char* argument )
-{
-    plan_options* options = o->input;
-    switch ( key )
-    {
-        case PLAN_KEY_FORMAT:
-            options->format = option_word( o, argument );
-            return true;
-        case PLAN_KEY_STEPS:
-            options->steps = option_whole( o, argument, 0, PLAN_STEPS_MAX );
-            return true;
-        case PLAN_KEY_VERBOSE:
-            options->is_verbose = true;
-            return true;
-        default:
-            return option_input( o, key, argument, &options->scene );
-    }
-}
 
 static wisp_status write_plan( const plan_sheet* sheet, const plan_options* options, wisp_error* error )
 {
@@ -95,7 +71,7 @@ static wisp_status write_plan( const plan_sheet* sheet, const plan_options* opti
 int command_plan( int argc, char** argv )
 {
     plan_options options = { .format = FORMAT_TEXT, .steps = STEPS_DEFAULT };
-    options_parse( &plan_text, take_plan_option, &options, argc, argv );
+    options_parse( &plan_text, NULL, &options, argc, argv );
 
     wisp_error error = { 0 };
     wisp_scene scene;

@@ -11,6 +11,10 @@
 #include <string.h>
 #include <unistd.h>
 
+#define FRAME_MAX 100000000
+#define TURNTABLE_MAX 10000
+#define COLUMNS_MAX 1000
+
 // ---- values of options; each ends the program with STATUS_USAGE if the text is invalid ----
 
 static picture_options default_options( void )
@@ -42,8 +46,9 @@ static void parse_numbers( const options_state* o, const char* text, int count, 
 }
 
 // Such as 640x480.
-static void parse_size( const options_state* o, const char* text, picture_options* out )
+static void parse_size( const options_state* o, const char* text )
 {
+    picture_options* out = o->input;
     char* end = NULL;
     long width = strtol( text, &end, 10 );
     long height = *end == 'x' ? strtol( end + 1, &end, 10 ) : 0;
@@ -58,6 +63,37 @@ static void parse_size( const options_state* o, const char* text, picture_option
 
 // ---- frames ----
 
+static void choose_frames( const options_state* o, picture_choice choice )
+{
+    picture_options* options = o->input;
+    if ( options->choice != PICTURE_LAST )
+    {
+        options_fail( o, "got several of --frame, --time and --frames, expected one" );
+    }
+    options->choice = choice;
+}
+
+static void parse_frame( const options_state* o, const char* text )
+{
+    choose_frames( o, PICTURE_FRAME );
+    ( (picture_options*)o->input )->first = option_whole( o, text, 0, FRAME_MAX );
+}
+
+static void parse_time( const options_state* o, const char* text )
+{
+    float seconds;
+    choose_frames( o, PICTURE_TIME );
+    parse_numbers( o, text, 1, &seconds );
+    ( (picture_options*)o->input )->seconds = (double)seconds;
+}
+
+static void parse_sheet( const options_state* o, const char* text )
+{
+    picture_options* out = o->input;
+    out->is_sheet = true;
+    out->columns = text ? option_whole( o, text, 1, COLUMNS_MAX ) : 0;
+}
+
 /// A part of A:B:STEP. @return the text after it
 static const char* parse_part( const char* text, int empty, int* value, bool* is_good )
 {
@@ -71,8 +107,10 @@ static const char* parse_part( const char* text, int empty, int* value, bool* is
 }
 
 // Such as 10:50:5; each part may be empty.
-static void parse_frames( const options_state* o, const char* text, picture_options* out )
+static void parse_frames( const options_state* o, const char* text )
 {
+    picture_options* out = o->input;
+    choose_frames( o, PICTURE_FRAMES );
     bool is_good = strchr( text, ':' ) != NULL;
     const char* at = parse_part( text, 0, &out->first, &is_good );
     at = parse_part( at, PICTURE_FRAME_END, &out->last, &is_good );
@@ -82,14 +120,14 @@ static void parse_frames( const options_state* o, const char* text, picture_opti
         options_fail( o, "--frames: got '%s', expected FIRST:LAST or FIRST:LAST:STEP with rising whole numbers",
                       text );
     }
-    out->choice = PICTURE_FRAMES;
 }
 
 // ---- surroundings of the bodies ----
 
 // The words of the option, auto and none, or a height.
-static void parse_ground( const options_state* o, const char* text, picture_options* out )
+static void parse_ground( const options_state* o, const char* text )
 {
+    picture_options* out = o->input;
     char* end = NULL;
     float height = strtof( text, &end );
     if ( end != text && !*end && isfinite( height ) )
@@ -123,8 +161,9 @@ static const char* parse_colour( const char* text, wisp_vec3* out )
 }
 
 // The words of the option, studio, white and dark, or one or two colours such as #20242c.
-static void parse_background( const options_state* o, const char* text, picture_options* out )
+static void parse_background( const options_state* o, const char* text )
 {
+    picture_options* out = o->input;
     const render_scene studio = render_default_scene();
     const wisp_vec3 colours[][2] = {
         { studio.background_top, studio.background_bottom },
@@ -151,36 +190,71 @@ static void parse_background( const options_state* o, const char* text, picture_
     }
 }
 
-// ---- the command ----
-
-#define FRAME_MAX 100000000
-#define TURNTABLE_MAX 10000
-#define COLUMNS_MAX 1000
-
-enum
+static void parse_range( const options_state* o, const char* argument )
 {
-    RENDER_KEY_OUTPUT = 'o',
-    RENDER_KEY_STEPS = 's',
-    RENDER_KEY_WORKERS = 'w',
-    RENDER_KEY_SIZE = 256,
-    RENDER_KEY_SAMPLES,
-    RENDER_KEY_FRAME,
-    RENDER_KEY_TIME,
-    RENDER_KEY_FRAMES,
-    RENDER_KEY_SHEET,
-    RENDER_KEY_TURNTABLE,
-    RENDER_KEY_COLOUR,
-    RENDER_KEY_RANGE,
-    RENDER_KEY_MESH,
-    RENDER_KEY_CAMERA,
-    RENDER_KEY_FROM,
-    RENDER_KEY_FOV,
-    RENDER_KEY_GROUND,
-    RENDER_KEY_BACKGROUND,
-    RENDER_KEY_BOUNDARY,
-    RENDER_KEY_NORMALS,
-    RENDER_KEY_CUT,
-};
+    picture_options* options = o->input;
+    parse_numbers( o, argument, 2, options->range );
+    if ( !( options->range[0] < options->range[1] ) )
+    {
+        options_fail( o, "--range: got '%s', expected two rising numbers", argument );
+    }
+    options->has_range = true;
+}
+
+static void parse_camera( const options_state* o, const char* argument )
+{
+    picture_options* options = o->input;
+    float n[6];
+    parse_numbers( o, argument, 6, n );
+    options->eye = ( wisp_vec3 ){ n[0], n[1], n[2] };
+    options->target = ( wisp_vec3 ){ n[3], n[4], n[5] };
+    options->has_camera = true;
+}
+
+static void parse_from( const options_state* o, const char* argument )
+{
+    picture_options* options = o->input;
+    float n[2];
+    parse_numbers( o, argument, 2, n );
+    if ( !( n[1] >= -89.0f && n[1] <= 89.0f ) )
+    {
+        options_fail( o, "--from: got an elevation of %g, expected -89 to 89 degrees", (double)n[1] );
+    }
+    options->view.azimuth_degrees = n[0];
+    options->view.elevation_degrees = n[1];
+    options->has_from = true;
+}
+
+static void parse_cut( const options_state* o, const char* argument )
+{
+    picture_options* options = o->input;
+    float n[4];
+    parse_numbers( o, argument, 4, n );
+    options->cut_normal = ( wisp_vec3 ){ n[0], n[1], n[2] };
+    options->cut_offset = n[3];
+    if ( n[0] == 0.0f && n[1] == 0.0f && n[2] == 0.0f )
+    {
+        options_fail( o, "--cut: got '%s', expected a direction that is not zero, and a distance", argument );
+    }
+}
+
+static void parse_fov( const options_state* o, const char* argument )
+{
+    picture_options* options = o->input;
+    parse_numbers( o, argument, 1, &options->view.fov_degrees );
+    if ( !( options->view.fov_degrees >= 1.0f && options->view.fov_degrees <= 150.0f ) )
+    {
+        options_fail( o, "--fov: got '%s', expected 1 to 150 degrees", argument );
+    }
+}
+
+static void parse_boundary( const options_state* o, const char* text )
+{
+    static const picture_layer_look looks[] = { PICTURE_LAYER_NORMAL, PICTURE_LAYER_CLASS, PICTURE_LAYER_NONE };
+    ( (picture_options*)o->input )->source.layer = looks[option_word( o, text )];
+}
+
+// ---- the command ----
 
 static const char* const value_words[] = { "body", "strain", "speed", "map" };
 static const char* const layer_words[] = { "normal", "class", "none" };
@@ -189,37 +263,52 @@ static const char* const background_words[] = { "studio", "white", "dark" };
 
 static const option_row render_rows[] = {
     OPTION_TITLE( "Picture:" ),
-    { "output", RENDER_KEY_OUTPUT, "FILE.png", "Write the picture to FILE.png; required", OPTION_FILES( ".png" ) },
-    { "size", RENDER_KEY_SIZE, "WxH", "Pixels, default 640x480; on a sheet 400x300 each", OPTION_ANY },
-    { "samples", RENDER_KEY_SAMPLES, "N", "Rays per pixel, 1 to 4096, default 16", OPTION_ANY },
-    { "workers", RENDER_KEY_WORKERS, "N", "Use N workers, 1 to 64, default one per core", OPTION_ANY },
+    { "output", 'o', "FILE.png", "Write the picture to FILE.png; required",
+      OPTION_TEXT( picture_options, output, ".png" ) },
+    { "size", 0, "WxH", "Pixels, default 640x480; on a sheet 400x300 each", OPTION_TAKEN( parse_size ) },
+    { "samples", 0, "N", "Rays per pixel, 1 to 4096, default 16",
+      OPTION_WHOLE( picture_options, samples, 1, RENDER_MAX_SAMPLES ) },
+    { "workers", 'w', "N", "Use N workers, 1 to 64, default one per core",
+      OPTION_WHOLE( picture_options, workers, 1, WISP_MAX_WORKERS ) },
     OPTION_TITLE( "Frames, default the last one:" ),
-    { "steps", RENDER_KEY_STEPS, "N", "Of a scene: its last frame follows N steps, not those of the scene",
-      OPTION_ANY },
-    { "frame", RENDER_KEY_FRAME, "N", "Frame N, counted from 0", OPTION_ANY },
-    { "time", RENDER_KEY_TIME, "S", "The frame nearest to S seconds", OPTION_ANY },
-    { "frames", RENDER_KEY_FRAMES, "A:B:STEP", "Frames A to B, both included; parts can be omitted", OPTION_ANY },
-    { "sheet", RENDER_KEY_SHEET, "[COLUMNS]", "One contact sheet of --frames, or of twelve frames", OPTION_ANY },
+    { "steps", 's', "N", "Of a scene: its last frame follows N steps, not those of the scene",
+      OPTION_WHOLE( picture_options, source.steps, 1, FRAME_MAX ) },
+    { "frame", 0, "N", "Frame N, counted from 0", OPTION_TAKEN( parse_frame ) },
+    { "time", 0, "S", "The frame nearest to S seconds", OPTION_TAKEN( parse_time ) },
+    { "frames", 0, "A:B:STEP", "Frames A to B, both included; parts can be omitted", OPTION_TAKEN( parse_frames ) },
+    { "sheet", 0, "[COLUMNS]", "One contact sheet of --frames, or of twelve frames", OPTION_TAKEN( parse_sheet ) },
     OPTION_TITLE( "Camera:" ),
-    { "from", RENDER_KEY_FROM, "AZIMUTH,ELEVATION",
+    { "from", 0, "AZIMUTH,ELEVATION",
       "Direction in degrees: about y from +z to +x, and up; default 32,16, or 0,0 for strands in a plane",
-      OPTION_ANY },
-    { "fov", RENDER_KEY_FOV, "DEGREES", "Vertical angle of view, 1 to 150, default 28", OPTION_ANY },
-    { "camera", RENDER_KEY_CAMERA, "X,Y,Z,X,Y,Z", "Eye and target in metres, instead of --from", OPTION_ANY },
-    { "turntable", RENDER_KEY_TURNTABLE, "N", "N views around one frame", OPTION_ANY },
+      OPTION_TAKEN( parse_from ) },
+    { "fov", 0, "DEGREES", "Vertical angle of view, 1 to 150, default 28", OPTION_TAKEN( parse_fov ) },
+    { "camera", 0, "X,Y,Z,X,Y,Z", "Eye and target in metres, instead of --from", OPTION_TAKEN( parse_camera ) },
+    { "turntable", 0, "N", "N views around one frame", OPTION_WHOLE( picture_options, turntable, 1, TURNTABLE_MAX ) },
     OPTION_TITLE( "Appearance:" ),
-    { "colour", RENDER_KEY_COLOUR, "WHAT", "body (default), strain, speed, or map: the first map of a surface",
-      OPTION_WORDS( value_words ) },
-    { "color", RENDER_KEY_COLOUR, "WHAT", NULL, OPTION_WORDS( value_words ) },
-    { "range", RENDER_KEY_RANGE, "LOW,HIGH", "Values at the ends of the colour scale", OPTION_ANY },
-    { "boundary", RENDER_KEY_BOUNDARY, "WHAT", "Boundary points by normal (default) or class, or none",
-      OPTION_WORDS( layer_words ) },
-    { "cut", RENDER_KEY_CUT, "X,Y,Z,D", "Cut bodies open: draw what has X x + Y y + Z z <= D", OPTION_ANY },
-    { "normals", RENDER_KEY_NORMALS, NULL, "Draw normals of boundary points", OPTION_ANY },
-    { "ground", RENDER_KEY_GROUND, "WHERE", "auto (default), none, or y in metres", OPTION_WORDS( ground_words ) },
-    { "background", RENDER_KEY_BACKGROUND, "WHAT", "studio (default), white, dark, #20242c, or #top,#bottom",
-      OPTION_WORDS( background_words ) },
-    { "mesh", RENDER_KEY_MESH, "FILE", "Triangles for a point cache (.obj, .ply)", OPTION_FILES( ".obj .ply" ) },
+    { "colour", 0, "WHAT", "body (default), strain, speed, or map: the first map of a surface",
+      OPTION_WORD( picture_options, source.value, value_words ) },
+    { "color", 0, "WHAT", NULL, OPTION_WORD( picture_options, source.value, value_words ) },
+    { "range", 0, "LOW,HIGH", "Values at the ends of the colour scale", OPTION_TAKEN( parse_range ) },
+    { "boundary",
+      0,
+      "WHAT",
+      "Boundary points by normal (default) or class, or none",
+      { OPTION_LIST( layer_words ), .to = { .take = parse_boundary } } },
+    { "cut", 0, "X,Y,Z,D", "Cut bodies open: draw what has X x + Y y + Z z <= D", OPTION_TAKEN( parse_cut ) },
+    { "normals", 0, NULL, "Draw normals of boundary points",
+      OPTION_FLAG( picture_options, source.has_layer_normals ) },
+    { "ground",
+      0,
+      "WHERE",
+      "auto (default), none, or y in metres",
+      { OPTION_LIST( ground_words ), .to = { .take = parse_ground } } },
+    { "background",
+      0,
+      "WHAT",
+      "studio (default), white, dark, #20242c, or #top,#bottom",
+      { OPTION_LIST( background_words ), .to = { .take = parse_background } } },
+    { "mesh", 0, "FILE", "Triangles for a point cache (.obj, .ply)",
+      OPTION_TEXT( picture_options, source.mesh, ".obj .ply" ) },
 };
 
 const command_text render_text = {
@@ -239,168 +328,18 @@ const command_text render_text = {
                 "wisp render data/bunny.obj --turntable 36 -o bunny.png",
     .rows = render_rows,
     .row_count = WISP_COUNT( render_rows ),
-    .values = OPTION_FILES( ".yaml .yml .json .wisp .pc2 .obj .ply .glb .gltf .hair" ),
+    .values = OPTION_INPUT( OPTION_TO_INPUT_IF_ANY, picture_options, source.path,
+                            ".yaml .yml .json .wisp .pc2 .obj .ply .glb .gltf .hair" ),
 };
 
-static void choose_frames( const options_state* o, picture_options* options, picture_choice choice )
-{
-    if ( options->choice != PICTURE_LAST )
-    {
-        options_fail( o, "got several of --frame, --time and --frames, expected one" );
-    }
-    options->choice = choice;
-}
-
-static void parse_range( const options_state* o, const char* argument, picture_options* options )
-{
-    parse_numbers( o, argument, 2, options->range );
-    if ( !( options->range[0] < options->range[1] ) )
-    {
-        options_fail( o, "--range: got '%s', expected two rising numbers", argument );
-    }
-    options->has_range = true;
-}
-
-static void parse_camera( const options_state* o, const char* argument, picture_options* options )
-{
-    float n[6];
-    parse_numbers( o, argument, 6, n );
-    options->eye = ( wisp_vec3 ){ n[0], n[1], n[2] };
-    options->target = ( wisp_vec3 ){ n[3], n[4], n[5] };
-    options->has_camera = true;
-}
-
-static void parse_from( const options_state* o, const char* argument, picture_options* options )
-{
-    float n[2];
-    parse_numbers( o, argument, 2, n );
-    if ( !( n[1] >= -89.0f && n[1] <= 89.0f ) )
-    {
-        options_fail( o, "--from: got an elevation of %g, expected -89 to 89 degrees", (double)n[1] );
-    }
-    options->view.azimuth_degrees = n[0];
-    options->view.elevation_degrees = n[1];
-    options->has_from = true;
-}
-
-static void parse_cut( const options_state* o, const char* argument, picture_options* options )
-{
-    float n[4];
-    parse_numbers( o, argument, 4, n );
-    options->cut_normal = ( wisp_vec3 ){ n[0], n[1], n[2] };
-    options->cut_offset = n[3];
-    if ( n[0] == 0.0f && n[1] == 0.0f && n[2] == 0.0f )
-    {
-        options_fail( o, "--cut: got '%s', expected a direction that is not zero, and a distance", argument );
-    }
-}
-
-static void parse_fov( const options_state* o, const char* argument, picture_options* options )
-{
-    parse_numbers( o, argument, 1, &options->view.fov_degrees );
-    if ( !( options->view.fov_degrees >= 1.0f && options->view.fov_degrees <= 150.0f ) )
-    {
-        options_fail( o, "--fov: got '%s', expected 1 to 150 degrees", argument );
-    }
-}
-
-/// Options about time and place. @return whether it was one of them
-static bool parse_view( const options_state* o, int key, const char* argument )
+static void check_render_options( const options_state* o )
 {
     picture_options* options = o->input;
-    switch ( key )
+    options->source.world.workers = options->workers;
+    if ( !options->source.path )
     {
-        case RENDER_KEY_STEPS:
-            options->source.steps = option_whole( o, argument, 1, FRAME_MAX );
-            return true;
-        case RENDER_KEY_FRAME:
-            choose_frames( o, options, PICTURE_FRAME );
-            options->first = option_whole( o, argument, 0, FRAME_MAX );
-            return true;
-        case RENDER_KEY_TIME:
-        {
-            float seconds;
-            choose_frames( o, options, PICTURE_TIME );
-            parse_numbers( o, argument, 1, &seconds );
-            options->seconds = (double)seconds;
-            return true;
-        }
-        case RENDER_KEY_FRAMES:
-            choose_frames( o, options, PICTURE_FRAMES );
-            parse_frames( o, argument, options );
-            return true;
-        case RENDER_KEY_SHEET:
-            options->is_sheet = true;
-            options->columns = argument ? option_whole( o, argument, 1, COLUMNS_MAX ) : 0;
-            return true;
-        case RENDER_KEY_TURNTABLE:
-            options->turntable = option_whole( o, argument, 1, TURNTABLE_MAX );
-            return true;
-        case RENDER_KEY_CAMERA:
-            parse_camera( o, argument, options );
-            return true;
-        case RENDER_KEY_FROM:
-            parse_from( o, argument, options );
-            return true;
-        case RENDER_KEY_FOV:
-            parse_fov( o, argument, options );
-            return true;
-        case RENDER_KEY_CUT:
-            parse_cut( o, argument, options );
-            return true;
-        default:
-            return false;
+        options_fail( o, "expected a scene, recording, mesh or groom" );
     }
-}
-
-/// Options about the look of things. @return whether it was one of them
-static bool parse_look( const options_state* o, int key, const char* argument )
-{
-    static const picture_layer_look looks[] = { PICTURE_LAYER_NORMAL, PICTURE_LAYER_CLASS, PICTURE_LAYER_NONE };
-    picture_options* options = o->input;
-    switch ( key )
-    {
-        case RENDER_KEY_COLOUR:
-            options->source.value = (picture_value)option_word( o, argument );
-            return true;
-        case RENDER_KEY_BOUNDARY:
-            options->source.layer = looks[option_word( o, argument )];
-            return true;
-        case RENDER_KEY_NORMALS:
-            options->source.has_layer_normals = true;
-            return true;
-        case RENDER_KEY_RANGE:
-            parse_range( o, argument, options );
-            return true;
-        case RENDER_KEY_GROUND:
-            parse_ground( o, argument, options );
-            return true;
-        case RENDER_KEY_BACKGROUND:
-            parse_background( o, argument, options );
-            return true;
-        case RENDER_KEY_MESH:
-            options->source.mesh = argument;
-            return true;
-        case RENDER_KEY_SIZE:
-            parse_size( o, argument, options );
-            return true;
-        case RENDER_KEY_SAMPLES:
-            options->samples = option_whole( o, argument, 1, RENDER_MAX_SAMPLES );
-            return true;
-        case RENDER_KEY_OUTPUT:
-            options->output = argument;
-            return true;
-        case RENDER_KEY_WORKERS:
-            options->workers = option_whole( o, argument, 1, WISP_MAX_WORKERS );
-            options->source.world.workers = options->workers;
-            return true;
-        default:
-            return false;
-    }
-}
-
-static void check_render_options( const options_state* o, const picture_options* options )
-{
     if ( !options->output )
     {
         options_fail( o, "expected -o FILE.png" );
@@ -430,29 +369,10 @@ static void check_render_options( const options_state* o, const picture_options*
     }
 }
 
-static bool take_render_option( options_state* o, int key, const char* argument )
-{
-    picture_options* options = o->input;
-    switch ( key )
-    {
-        case OPTIONS_OPERAND:
-            return option_input( o, key, argument, &options->source.path );
-        case OPTIONS_END:
-            if ( !options->source.path )
-            {
-                options_fail( o, "expected a scene, recording, mesh or groom" );
-            }
-            check_render_options( o, options );
-            return true;
-        default:
-            return parse_view( o, key, argument ) || parse_look( o, key, argument );
-    }
-}
-
 int command_render( int argc, char** argv )
 {
     picture_options options = default_options();
-    options_parse( &render_text, take_render_option, &options, argc, argv );
+    options_parse( &render_text, check_render_options, &options, argc, argv );
 
     wisp_error error = { 0 };
     wisp_status status = picture_draw( &options, &error );

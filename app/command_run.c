@@ -32,53 +32,89 @@ typedef struct run_options
 
 // ---- the command line ----
 
-enum
+static void parse_track( const options_state* o, const char* argument )
 {
-    RUN_KEY_STEPS = 's',
-    RUN_KEY_WORKERS = 'w',
-    RUN_KEY_FORMAT = 'f',
-    RUN_KEY_OUTPUT = 'o',
-    RUN_KEY_VERBOSE = 'v',
-    RUN_KEY_ISA = 256,
-    RUN_KEY_RECORD,
-    RUN_KEY_RECORD_WITH,
-    RUN_KEY_EVERY,
-    RUN_KEY_FRAMES,
-    RUN_KEY_TRACK,
-    RUN_KEY_TRACK_FILE,
-    RUN_KEY_VERIFY,
-    RUN_KEY_BOUNDARY,
-    RUN_KEY_INTERSECTIONS,
-};
+    run_recorder_def* def = &( (run_options*)o->input )->recorder;
+    const char* colon = strrchr( argument, ':' );
+    bool is_good = colon && colon > argument && colon - argument <= WISP_RECORD_MAX_NAME;
+    for ( const char* at = colon; is_good && at && *at; )
+    {
+        char* end = NULL;
+        errno = 0;
+        long vertex = strtol( at + 1, &end, 10 );
+        is_good = end > at + 1 && !errno && vertex >= 0 && vertex < INT_MAX && ( *end == ',' || !*end );
+        if ( def->track_count == RUN_TRACKS_MAX )
+        {
+            options_fail( o, "--track: got more than %d vertices, which is the limit", RUN_TRACKS_MAX );
+        }
+        def->tracks[def->track_count++] = ( run_track ){ argument, (int)( colon - argument ), (int)vertex };
+        at = end;
+    }
+    if ( !is_good )
+    {
+        options_fail( o, "--track: got '%s', expected a body and its vertices, such as flag:0,31", argument );
+    }
+}
+
+static void parse_values( const options_state* o, const char* argument )
+{
+    unsigned* values = &( (run_options*)o->input )->recorder.values;
+    for ( const char* at = argument; at; )
+    {
+        const size_t length = strcspn( at, "," );
+        int found = -1;
+        for ( int k = 0; k < RUN_VALUE_COUNT; ++k )
+        {
+            const bool is_equal =
+                strlen( run_value_names[k] ) == length && !strncmp( at, run_value_names[k], length );
+            found = is_equal ? k : found;
+        }
+        if ( found < 0 )
+        {
+            options_fail( o, "--record-with: got '%s', expected strain, speed or both with a comma", argument );
+        }
+        *values |= 1u << found;
+        at = at[length] ? at + length + 1 : NULL;
+    }
+}
 
 static const option_row run_rows[] = {
     OPTION_TITLE( "Simulation:" ),
-    { "steps", RUN_KEY_STEPS, "N", "Simulate N steps; default: the scene's steps", OPTION_ANY },
-    { "workers", RUN_KEY_WORKERS, "N", "Use N workers, 1 to 64; default: the scene's, or one per core", OPTION_ANY },
-    { "isa", RUN_KEY_ISA, "SET", "Use at most baseline, avx2 or avx512; default: the best available",
-      OPTION_WORDS( option_isa_words ) },
+    { "steps", 's', "N", "Simulate N steps; default: the scene's steps",
+      OPTION_WHOLE( run_options, steps, 1, RUN_STEPS_MAX ) },
+    { "workers", 'w', "N", "Use N workers, 1 to 64; default: the scene's, or one per core",
+      OPTION_WHOLE( run_options, world.workers, 1, WISP_MAX_WORKERS ) },
+    { "isa", 0, "SET", "Use at most baseline, avx2 or avx512; default: the best available",
+      OPTION_NAME( run_options, world.isa, option_isa_words ) },
     OPTION_TITLE( "Summary:" ),
-    { "intersections", RUN_KEY_INTERSECTIONS, NULL,
-      "Count the edges through triangles of all surfaces after each step", OPTION_ANY },
-    { "verbose", RUN_KEY_VERBOSE, NULL, "Print tables of passes, memory, counters and what the scene computes",
-      OPTION_ANY },
-    OPTION_RESULTS_FORMAT( RUN_KEY_FORMAT ),
-    { "output", RUN_KEY_OUTPUT, "FILE", "Write the summary to FILE; default: standard output", OPTION_FILES( "*" ) },
+    { "intersections", 0, NULL, "Count the edges through triangles of all surfaces after each step",
+      OPTION_FLAG( run_options, intersections ) },
+    { "verbose", 'v', NULL, "Print tables of passes, memory, counters and what the scene computes",
+      OPTION_FLAG( run_options, is_verbose ) },
+    OPTION_RESULTS_FORMAT( run_options, format ),
+    { "output", 'o', "FILE", "Write the summary to FILE; default: standard output",
+      OPTION_TEXT( run_options, output, "*" ) },
     OPTION_TITLE( "Recording:" ),
-    { "record", RUN_KEY_RECORD, "FILE", "Record all vertices (.wisp, .pc2, .pvd, .obj, .usda, .glb)",
-      OPTION_FILES( ".wisp .pc2 .pvd .obj .usda .glb" ) },
-    { "record-with", RUN_KEY_RECORD_WITH, "VALUE[,VALUE]",
+    { "record", 0, "FILE", "Record all vertices (.wisp, .pc2, .pvd, .obj, .usda, .glb)",
+      OPTION_FILE( run_options, recorder.record, ".wisp .pc2 .pvd .obj .usda .glb" ) },
+    { "record-with",
+      0,
+      "VALUE[,VALUE]",
       "Compute strain or speed and record them too (.pvd, .usda); default: those that the scene computes",
-      OPTION_WORDS( run_value_names ) },
-    { "every", RUN_KEY_EVERY, "N", "Record every Nth step, default 1", OPTION_ANY },
-    { "frames-per-step", RUN_KEY_FRAMES, "N",
-      "Record N frames per step, 1 to 1000, ghosts on smooth curves in time; default: the scene's", OPTION_ANY },
-    { "track", RUN_KEY_TRACK, "BODY:VERTEX[,VERTEX...]", "Write the path of these vertices; can be repeated",
-      OPTION_ANY },
-    { "track-file", RUN_KEY_TRACK_FILE, "FILE.csv", "File for the paths of --track", OPTION_FILES( ".csv" ) },
-    { "boundary", RUN_KEY_BOUNDARY, "FILE.ply", "Write the boundary points of all surfaces", OPTION_FILES( ".ply" ) },
-    { "verify", RUN_KEY_VERIFY, "FILE.wisp", "Fail at the first frame that differs from this recording",
-      OPTION_FILES( ".wisp" ) },
+      { OPTION_LIST( run_value_names ), .to = { .take = parse_values } } },
+    { "every", 0, "N", "Record every Nth step, default 1",
+      OPTION_WHOLE( run_options, recorder.every, 1, RUN_STEPS_MAX ) },
+    { "frames-per-step", 0, "N",
+      "Record N frames per step, 1 to 1000, ghosts on smooth curves in time; default: the scene's",
+      OPTION_WHOLE( run_options, frames_per_step, 1, 1000 ) },
+    { "track", 0, "BODY:VERTEX[,VERTEX...]", "Write the path of these vertices; can be repeated",
+      OPTION_TAKEN( parse_track ) },
+    { "track-file", 0, "FILE.csv", "File for the paths of --track",
+      OPTION_FILE( run_options, recorder.track_file, ".csv" ) },
+    { "boundary", 0, "FILE.ply", "Write the boundary points of all surfaces",
+      OPTION_FILE( run_options, boundary, ".ply" ) },
+    { "verify", 0, "FILE.wisp", "Fail at the first frame that differs from this recording",
+      OPTION_TEXT( run_options, recorder.verify, ".wisp" ) },
 };
 
 const command_text run_text = {
@@ -104,83 +140,12 @@ const command_text run_text = {
                 "wisp run data/scenes/character.yaml --intersections",
     .rows = run_rows,
     .row_count = WISP_COUNT( run_rows ),
-    .values = OPTION_FILES( ".yaml .yml .json" ),
+    .values = OPTION_INPUT( OPTION_TO_INPUT, run_options, scene, ".yaml .yml .json" ),
 };
 
-static void parse_track( const options_state* o, const char* argument, run_recorder_def* def )
+static void check_run_options( const options_state* o )
 {
-    const char* colon = strrchr( argument, ':' );
-    bool is_good = colon && colon > argument && colon - argument <= WISP_RECORD_MAX_NAME;
-    for ( const char* at = colon; is_good && at && *at; )
-    {
-        char* end = NULL;
-        errno = 0;
-        long vertex = strtol( at + 1, &end, 10 );
-        is_good = end > at + 1 && !errno && vertex >= 0 && vertex < INT_MAX && ( *end == ',' || !*end );
-        if ( def->track_count == RUN_TRACKS_MAX )
-        {
-            options_fail( o, "--track: got more than %d vertices, which is the limit", RUN_TRACKS_MAX );
-        }
-        def->tracks[def->track_count++] = ( run_track ){ argument, (int)( colon - argument ), (int)vertex };
-        at = end;
-    }
-    if ( !is_good )
-    {
-        options_fail( o, "--track: got '%s', expected a body and its vertices, such as flag:0,31", argument );
-    }
-}
-
-static void parse_values( const options_state* o, const char* argument, unsigned* values )
-{
-    for ( const char* at = argument; at; )
-    {
-        const size_t length = strcspn( at, "," );
-        int found = -1;
-        for ( int k = 0; k < RUN_VALUE_COUNT; ++k )
-        {
-            const bool is_equal =
-                strlen( run_value_names[k] ) == length && !strncmp( at, run_value_names[k], length );
-            found = is_equal ? k : found;
-        }
-        if ( found < 0 )
-        {
-            options_fail( o, "--record-with: got '%s', expected strain, speed or both with a comma", argument );
-        }
-        *values |= 1u << found;
-        at = at[length] ? at + length + 1 : NULL;
-    }
-}
-
-/// Options about recording. @return whether it was one of them
-static bool parse_recorder( const options_state* o, int key, const char* argument, run_recorder_def* def )
-{
-    switch ( key )
-    {
-        case RUN_KEY_RECORD:
-            def->record = option_file( o, argument );
-            return true;
-        case RUN_KEY_RECORD_WITH:
-            parse_values( o, argument, &def->values );
-            return true;
-        case RUN_KEY_EVERY:
-            def->every = option_whole( o, argument, 1, RUN_STEPS_MAX );
-            return true;
-        case RUN_KEY_TRACK:
-            parse_track( o, argument, def );
-            return true;
-        case RUN_KEY_TRACK_FILE:
-            def->track_file = option_file( o, argument );
-            return true;
-        case RUN_KEY_VERIFY:
-            def->verify = argument;
-            return true;
-        default:
-            return false;
-    }
-}
-
-static void check_run_options( const options_state* o, const run_options* options )
-{
+    const run_options* options = o->input;
     const run_recorder_def* def = &options->recorder;
     if ( options->boundary && !io_has_extension( options->boundary, ".ply" ) )
     {
@@ -212,51 +177,6 @@ static void check_run_options( const options_state* o, const run_options* option
     }
 }
 
-static bool take_run_option( options_state* o, int key, const char* argument )
-{
-    run_options* options = o->input;
-    if ( parse_recorder( o, key, argument, &options->recorder ) )
-    {
-        return true;
-    }
-    switch ( key )
-    {
-        case RUN_KEY_STEPS:
-            options->steps = option_whole( o, argument, 1, RUN_STEPS_MAX );
-            return true;
-        case RUN_KEY_WORKERS:
-            options->world.workers = option_whole( o, argument, 1, WISP_MAX_WORKERS );
-            return true;
-        case RUN_KEY_ISA:
-            options->world.isa = option_isa_words[option_word( o, argument )];
-            return true;
-        case RUN_KEY_FORMAT:
-            options->format = (results_format)option_word( o, argument );
-            return true;
-        case RUN_KEY_OUTPUT:
-            options->output = argument;
-            return true;
-        case RUN_KEY_BOUNDARY:
-            options->boundary = option_file( o, argument );
-            return true;
-        case RUN_KEY_FRAMES:
-            options->frames_per_step = option_whole( o, argument, 1, 1000 );
-            return true;
-        case RUN_KEY_VERBOSE:
-            options->is_verbose = true;
-            return true;
-        case RUN_KEY_INTERSECTIONS:
-            options->intersections = true;
-            return true;
-        case OPTIONS_END:
-            option_input( o, key, argument, &options->scene );
-            check_run_options( o, options );
-            return true;
-        default:
-            return option_input( o, key, argument, &options->scene );
-    }
-}
-
 // ---- the steps ----
 
 static wisp_status simulate( scene_world* world, int steps, run_recorder* recorder, run_record* record,
@@ -285,22 +205,8 @@ static wisp_status simulate( scene_world* world, int steps, run_recorder* record
             }
         }
         // Outside of the measured time: recording does not change the cost of a step.
-        if ( status == WISP_OK )
-        {
-            status = run_recorder_step( recorder, error );
-        }
-        if ( status == WISP_OK )
-        {
-            status = run_layers_step( record->layers, error );
-        }
-        if ( status == WISP_OK )
-        {
-            status = run_collision_step( record->collision, error );
-        }
-        if ( status == WISP_OK )
-        {
-            status = run_intersections_step( record->intersections, error );
-        }
+        status = status == WISP_OK ? run_recorder_step( recorder, error ) : status;
+        status = status == WISP_OK ? run_contact_step( record->contact, error ) : status;
         progress_show( &bar, (double)record->steps / steps, "steps" );
     }
     progress_end( &bar );
@@ -317,24 +223,10 @@ static wisp_status simulate_and_record( run_options* options, scene_world* world
     int steps = options->steps > 0 ? options->steps : world->scene->steps;
     options->recorder.steps = steps;
     options->recorder.is_part = options->steps > 0;
-    const run_layers_def layers = { options->boundary, options->recorder.every };
-    wisp_status status = run_layers_open( &layers, world, steps, &record->layers, error );
-    if ( status == WISP_OK )
-    {
-        status = run_collision_open( world, &record->collision, error );
-    }
-    if ( status == WISP_OK )
-    {
-        status = run_intersections_open( world, &record->intersections, error );
-    }
-    if ( status == WISP_OK )
-    {
-        status = run_recorder_open( &options->recorder, world, &recorder, error );
-    }
-    if ( status == WISP_OK )
-    {
-        status = simulate( world, steps, recorder, record, error );
-    }
+    const run_contact_def contact = { options->boundary, options->recorder.every };
+    wisp_status status = run_contact_open( &contact, world, steps, &record->contact, error );
+    status = status == WISP_OK ? run_recorder_open( &options->recorder, world, &recorder, error ) : status;
+    status = status == WISP_OK ? simulate( world, steps, recorder, record, error ) : status;
     run_recorder_counts counts = run_recorder_count( recorder );
     wisp_error later = { 0 };
     wisp_status closed = run_recorder_close( recorder, status == WISP_OK ? error : &later );
@@ -377,9 +269,7 @@ static wisp_status run_scene( run_options* options, const wisp_scene* scene, res
     WISP_TRY( scene_world_create( scene, &options->world, &world, error ) );
     wisp_status status = simulate_and_record( options, &world, &record, out, error );
     profile_samples_free( &record.profile );
-    run_layers_close( record.layers );
-    run_collision_close( record.collision );
-    run_intersections_close( record.intersections );
+    run_contact_close( record.contact );
     free( record.ms );
     scene_world_destroy( &world );
     return status;
@@ -388,7 +278,7 @@ static wisp_status run_scene( run_options* options, const wisp_scene* scene, res
 int command_run( int argc, char** argv )
 {
     run_options options = { .recorder = { .every = 1 } };
-    options_parse( &run_text, take_run_option, &options, argc, argv );
+    options_parse( &run_text, check_run_options, &options, argc, argv );
 
     wisp_error error = { 0 };
     wisp_scene scene;

@@ -28,8 +28,7 @@ typedef struct search
 
 // A row and a line per setting, the reference, the verdict.
 
-static bool is_chosen( const tune_parameters* parameters, const tune_result* found,
-                       const tune_trial* trial )
+static bool is_chosen( const tune_parameters* parameters, const tune_result* found, const tune_trial* trial )
 {
     return memcmp( trial->configuration, found->configuration, (size_t)parameters->count * sizeof( int ) ) == 0;
 }
@@ -46,8 +45,7 @@ static void name_setting( const tune_parameters* parameters, const int* configur
     }
 }
 
-static void add_visit_row( results* out, const search* s, const tune_result* found,
-                           const tune_trial* trial )
+static void add_visit_row( results* out, const search* s, const tune_result* found, const tune_trial* trial )
 {
     const tune_parameters* parameters = s->def.parameters;
     results_row* row = results_add_row( out, io_file_name( s->from.path ),
@@ -175,29 +173,23 @@ typedef struct tune_options
 
 // ---- the command line ----
 
-enum
-{
-    TUNE_KEY_ERROR = 'e',
-    TUNE_KEY_BUDGET = 'b',
-    TUNE_KEY_LENGTH = 257,
-    TUNE_KEY_WORKERS = 'w',
-    TUNE_KEY_FORMAT = 'f',
-    TUNE_KEY_OUTPUT = 'o',
-    TUNE_KEY_LIMIT = 256,
-};
-
 static const option_row tune_rows[] = {
     OPTION_TITLE( "Target, one of:" ),
-    { "error", TUNE_KEY_ERROR, "METRES", "Cheapest configuration with at most this error", OPTION_ANY },
-    { "budget", TUNE_KEY_BUDGET, "MS", "Most accurate configuration within MS ms per step", OPTION_ANY },
+    { "error", 'e', "METRES", "Cheapest configuration with at most this error",
+      OPTION_NUMBER( tune_options, search.def.error, 1e6 ) },
+    { "budget", 'b', "MS", "Most accurate configuration within MS ms per step",
+      OPTION_NUMBER( tune_options, search.def.budget_ms, 1e6 ) },
     OPTION_TITLE( "Search:" ),
-    { "length", TUNE_KEY_LENGTH, "S", "Compare S seconds of motion; default: the scene, at most 1", OPTION_ANY },
-    { "limit", TUNE_KEY_LIMIT, "SECONDS", "Start no run after this time, default 300", OPTION_ANY },
-    { "workers", TUNE_KEY_WORKERS, "N", "Use N workers, 1 to 64; default: the scene's, or one per core", OPTION_ANY },
+    { "length", 0, "S", "Compare S seconds of motion; default: the scene, at most 1",
+      OPTION_NUMBER( tune_options, search.from.length, 1e6 ) },
+    { "limit", 0, "SECONDS", "Start no run after this time, default 300",
+      OPTION_NUMBER( tune_options, search.def.limit, 1e9 ) },
+    { "workers", 'w', "N", "Use N workers, 1 to 64; default: the scene's, or one per core",
+      OPTION_WHOLE( tune_options, search.def.machine.workers, 1, WISP_MAX_WORKERS ) },
     OPTION_TITLE( "Output:" ),
-    OPTION_RESULTS_FORMAT( TUNE_KEY_FORMAT ),
-    { "output", TUNE_KEY_OUTPUT, "FILE", "Write the tuned scene to FILE; default: not written",
-      OPTION_FILES( ".yaml" ) },
+    OPTION_RESULTS_FORMAT( tune_options, format ),
+    { "output", 'o', "FILE", "Write the tuned scene to FILE; default: not written",
+      OPTION_TEXT( tune_options, output, ".yaml" ) },
 };
 
 const command_text tune_text = {
@@ -222,49 +214,15 @@ const command_text tune_text = {
     .unmet = "no configuration meets the target",
     .rows = tune_rows,
     .row_count = WISP_COUNT( tune_rows ),
-    .values = OPTION_FILES( ".yaml .yml .json" ),
+    .values = OPTION_INPUT( OPTION_TO_INPUT, tune_options, scene, ".yaml .yml .json" ),
 };
 
-static void check_tune_options( const options_state* o, const tune_options* options )
+static void check_tune_options( const options_state* o )
 {
+    const tune_options* options = o->input;
     if ( ( options->search.def.error > 0.0 ) == ( options->search.def.budget_ms > 0.0 ) )
     {
         options_fail( o, "expected one of --error and --budget" );
-    }
-}
-
-static bool take_tune_option( options_state* o, int key, const char* argument )
-{
-    tune_options* options = o->input;
-    switch ( key )
-    {
-        case TUNE_KEY_ERROR:
-            options->search.def.error = option_positive( o, argument, 1e6 );
-            return true;
-        case TUNE_KEY_BUDGET:
-            options->search.def.budget_ms = option_positive( o, argument, 1e6 );
-            return true;
-        case TUNE_KEY_LENGTH:
-            options->search.from.length = option_positive( o, argument, 1e6 );
-            return true;
-        case TUNE_KEY_LIMIT:
-            options->search.def.limit = option_positive( o, argument, 1e9 );
-            return true;
-        case TUNE_KEY_WORKERS:
-            options->search.def.machine.workers = option_whole( o, argument, 1, WISP_MAX_WORKERS );
-            return true;
-        case TUNE_KEY_FORMAT:
-            options->format = (results_format)option_word( o, argument );
-            return true;
-        case TUNE_KEY_OUTPUT:
-            options->output = argument;
-            return true;
-        case OPTIONS_END:
-            option_input( o, key, argument, &options->scene );
-            check_tune_options( o, options );
-            return true;
-        default:
-            return option_input( o, key, argument, &options->scene );
     }
 }
 
@@ -391,7 +349,7 @@ int command_tune( int argc, char** argv )
 {
     tune_options options = { .search = { .def = { .limit = DEFAULT_LIMIT } } };
     search* s = &options.search;
-    options_parse( &tune_text, take_tune_option, &options, argc, argv );
+    options_parse( &tune_text, check_tune_options, &options, argc, argv );
     wisp_error error = { 0 };
     wisp_scene scene = { 0 };
     wisp_status status = io_file_read( options.scene, 1 << 20, &s->bytes, &s->from.given.size, &error );

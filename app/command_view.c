@@ -240,16 +240,11 @@ typedef struct view_options
 
 // ---- the command line ----
 
-enum
-{
-    VIEW_KEY_OUTPUT = 'o',
-    VIEW_KEY_STEPS = 's',
-};
-
 static const option_row view_rows[] = {
-    { "output", VIEW_KEY_OUTPUT, "FILE.html", "Write the page to FILE.html; required", OPTION_FILES( ".html" ) },
-    { "steps", VIEW_KEY_STEPS, "N", "Simulate N steps for hashes, 0 for none; default: the scene's steps",
-      OPTION_ANY },
+    { "output", 'o', "FILE.html", "Write the page to FILE.html; required",
+      OPTION_TEXT( view_options, output, ".html" ) },
+    { "steps", 's', "N", "Simulate N steps for hashes, 0 for none; default: the scene's steps",
+      OPTION_WHOLE( view_options, steps, 0, VIEW_STEPS_MAX ) },
 };
 
 const command_text view_text = {
@@ -268,11 +263,12 @@ const command_text view_text = {
                 "wisp view flag.wisp -o flag.html",
     .rows = view_rows,
     .row_count = WISP_COUNT( view_rows ),
-    .values = OPTION_FILES( ".yaml .yml .json .wisp" ),
+    .values = OPTION_INPUT( OPTION_TO_INPUT, view_options, input, ".yaml .yml .json .wisp" ),
 };
 
-static void check_view_options( const options_state* o, const view_options* options )
+static void check_view_options( const options_state* o )
 {
+    const view_options* options = o->input;
     if ( !options->output )
     {
         options_fail( o, "expected an output file: -o FILE.html" );
@@ -280,26 +276,6 @@ static void check_view_options( const options_state* o, const view_options* opti
     if ( !io_is_standard( options->output ) && !io_has_extension( options->output, ".html" ) )
     {
         options_fail( o, "-o: got '%s', expected a file name that ends in .html", options->output );
-    }
-}
-
-static bool take_view_option( options_state* o, int key, const char* argument )
-{
-    view_options* options = o->input;
-    switch ( key )
-    {
-        case VIEW_KEY_OUTPUT:
-            options->output = argument;
-            return true;
-        case VIEW_KEY_STEPS:
-            options->steps = option_whole( o, argument, 0, VIEW_STEPS_MAX );
-            return true;
-        case OPTIONS_END:
-            option_input( o, key, argument, &options->input );
-            check_view_options( o, options );
-            return true;
-        default:
-            return option_input( o, key, argument, &options->input );
     }
 }
 
@@ -379,7 +355,7 @@ static wisp_status take_input( const view_options* options, json_t* files, json_
 int command_view( int argc, char** argv )
 {
     view_options options = { .steps = -1 };
-    options_parse( &view_text, take_view_option, &options, argc, argv );
+    options_parse( &view_text, check_view_options, &options, argc, argv );
 
     wisp_error error = { 0 };
     json_t* files = json_object();

@@ -14,10 +14,10 @@ enum
 };
 
 /// The row of --format, of commands that print results.
-#define OPTION_RESULTS_FORMAT( key )                                                                                 \
+#define OPTION_RESULTS_FORMAT( type, member )                                                                        \
     {                                                                                                                \
-        "format", ( key ), "FORMAT", "text (default), markdown, csv, json or latex",                                 \
-            OPTION_WORDS( results_format_names )                                                                     \
+        "format", 'f', "FORMAT", "text (default), markdown, csv, json or latex",                                     \
+            OPTION_WORD( type, member, results_format_names )                                                        \
     }
 
 /// One command: argv[0] is "wisp <command>". @return exit status

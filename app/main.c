@@ -68,14 +68,6 @@ _Noreturn void command_unknown( const char* word )
     options_fail( &o, "got command '%s', expected %s", word, all );
 }
 
-static bool take_program_option( options_state* o, int key, const char* argument )
-{
-    (void)o;
-    (void)key;
-    (void)argument;
-    return true;
-}
-
 // Options before the command belong to the program, and each of them ends it. Everything after it is the command's.
 static int find_command( int argc, char** argv )
 {
@@ -84,7 +76,7 @@ static int find_command( int argc, char** argv )
     {
         ++place;
     }
-    options_parse( &program_text, take_program_option, NULL, place, argv );
+    options_parse( &program_text, NULL, NULL, place, argv );
     return place + ( place < argc && strcmp( argv[place], "--" ) == 0 ? 1 : 0 );
 }
 

@@ -62,8 +62,8 @@ static void print_row( const option_row* row, FILE* out )
 {
     char left[100], name[80];
     options_put_long( row, name );
-    const int used = row->key < OPTION_KEY ? snprintf( left, sizeof left, "  -%c, %s", row->key, name )
-                                           : snprintf( left, sizeof left, "      %s", name );
+    const int used = row->key ? snprintf( left, sizeof left, "  -%c, %s", row->key, name )
+                              : snprintf( left, sizeof left, "      %s", name );
     fprintf( out, "%s%*s", left, used < TEXT_COLUMN ? TEXT_COLUMN - used : 0, "" );
     if ( used >= TEXT_COLUMN )
     {
@@ -162,8 +162,7 @@ static void print_usage( const command_text* command, FILE* out )
         if ( row->name && row->text )
         {
             options_put_long( row, text );
-            const bool is_short = row->key < OPTION_KEY;
-            const int length = is_short ? snprintf( word, sizeof word, "[-%c|%s]", row->key, text )
+            const int length = row->key ? snprintf( word, sizeof word, "[-%c|%s]", row->key, text )
                                         : snprintf( word, sizeof word, "[%s]", text );
             if ( column + 1 + length > COLUMNS )
             {
@@ -183,13 +182,13 @@ enum
 {
     KEY_HELP = 'h',
     KEY_VERSION = 'V',
-    KEY_USAGE = 0x10000,
+    KEY_ROW = 0x10000, // long options without a short one: and the row's number
 };
 
 const option_row options_common[3] = {
-    { "help", KEY_HELP, NULL, "Print this help", OPTION_ANY },
-    { "usage", KEY_USAGE, NULL, "Print the options in short", OPTION_ANY },
-    { "version", KEY_VERSION, NULL, "Print the version", OPTION_ANY },
+    { .name = "help", .key = KEY_HELP, .text = "Print this help" },
+    { .name = "usage", .text = "Print the options in short" },
+    { .name = "version", .key = KEY_VERSION, .text = "Print the version" },
 };
 
 // ---- messages ----
@@ -249,11 +248,16 @@ static row_list list_rows( const command_text* command )
     return list;
 }
 
+static int key_of( const row_list* list, int i )
+{
+    return list->rows[i]->key ? list->rows[i]->key : KEY_ROW + i;
+}
+
 static const option_row* find_row( const row_list* list, int key )
 {
     for ( int i = 0; i < list->count; ++i )
     {
-        if ( list->rows[i]->key == key )
+        if ( key_of( list, i ) == key )
         {
             return list->rows[i];
         }
@@ -331,19 +335,19 @@ static _Noreturn void refuse( const options_state* o, const row_list* list, int 
 
 // ---- the command line ----
 
-static _Noreturn void print_and_exit( const command_text* command, int key )
+static _Noreturn void print_and_exit( const command_text* command, const option_row* row )
 {
-    switch ( key )
+    if ( row == options_common )
     {
-        case KEY_HELP:
-            options_print_help( command, stdout );
-            break;
-        case KEY_USAGE:
-            print_usage( command, stdout );
-            break;
-        default:
-            printf( "wisp %s\nkernels: %s\n", WISP_VERSION_STRING, machine_kernels() );
-            break;
+        options_print_help( command, stdout );
+    }
+    else if ( row == options_common + 1 )
+    {
+        print_usage( command, stdout );
+    }
+    else
+    {
+        printf( "wisp %s\nkernels: %s\n", WISP_VERSION_STRING, machine_kernels() );
     }
     exit( command_end( WISP_OK, &( wisp_error ){ 0 } ) );
 }
@@ -357,8 +361,8 @@ static void make_tables( const row_list* list, struct option* longs, char* short
         const int argument = can_omit_argument( row ) ? optional_argument
                              : takes_argument( row )  ? required_argument
                                                       : no_argument;
-        longs[i] = ( struct option ){ row->name, argument, NULL, row->key };
-        if ( row->key < OPTION_KEY )
+        longs[i] = ( struct option ){ row->name, argument, NULL, key_of( list, i ) };
+        if ( row->key )
         {
             *shorts++ = (char)row->key;
             *shorts = ':';
@@ -367,52 +371,6 @@ static void make_tables( const row_list* list, struct option* longs, char* short
     }
     *shorts = '\0';
     longs[list->count] = ( struct option ){ 0 };
-}
-
-static void take_options( options_state* o, const row_list* list, options_fn* take, int argc, char** argv )
-{
-    struct option longs[ROWS_MAX + 1];
-    char shorts[2 * ROWS_MAX + 2];
-    make_tables( list, longs, shorts );
-    opterr = 0;
-    for ( ;; )
-    {
-        optopt = 0;
-        const int key = getopt_long( argc, argv, shorts, longs, NULL );
-        if ( key == -1 )
-        {
-            return;
-        }
-        if ( key == KEY_HELP || key == KEY_USAGE || key == KEY_VERSION || ( key == '?' && optopt == '?' ) )
-        {
-            print_and_exit( o->command, key == '?' ? KEY_HELP : key );
-        }
-        const option_row* row = find_row( list, key );
-        if ( row == NULL )
-        {
-            refuse( o, list, key, argv );
-        }
-        snprintf( o->name, sizeof o->name, "--%s", row->name );
-        o->values = row->values;
-        take( o, key, optarg );
-    }
-}
-
-void options_parse( const command_text* command, options_fn* take, void* input, int argc, char** argv )
-{
-    options_state o = { .command = command, .input = input };
-    const row_list list = list_rows( command );
-    take_options( &o, &list, take, argc, argv );
-    snprintf( o.name, sizeof o.name, "%s", command->noun );
-    o.values = command->values;
-    for ( int i = optind; i < argc; ++i )
-    {
-        if ( !take( &o, OPTIONS_OPERAND, argv[i] ) )
-        {
-            options_fail( &o, "got '%s', expected only options", argv[i] );
-        }
-    }
-    take( &o, OPTIONS_END, NULL );
 }
 
 // ---- values ----
@@ -429,7 +387,7 @@ int option_whole( const options_state* o, const char* text, int lower, int upper
     return (int)value;
 }
 
-double option_positive( const options_state* o, const char* text, double upper )
+static double read_positive( const options_state* o, const char* text, double upper )
 {
     char* end = NULL;
     double value = strtod( text, &end );
@@ -468,28 +426,105 @@ int option_word( const options_state* o, const char* text )
     return option_word_of( o, text, o->values.words, o->values.word_count );
 }
 
-const char* option_file( const options_state* o, const char* text )
+// ---- the whole line ----
+
+static void keep_input( const options_state* o, const char* text, const char** input )
 {
-    if ( strcmp( text, "-" ) == 0 )
+    if ( *input )
     {
-        options_fail( o, "%s: got '-', expected a file: standard output has the results", o->name );
+        options_fail( o, "got a second %s '%s', expected one", o->command->noun, text );
     }
-    return text;
+    *input = text;
 }
 
-bool option_input( const options_state* o, int key, const char* argument, const char** input )
+// Put a value where it goes.
+static void keep( const options_state* o, const char* text )
 {
-    if ( key == OPTIONS_END && *input == NULL )
+    const option_place* to = &o->values.to;
+    void* at = (char*)o->input + to->offset;
+    switch ( to->kind )
     {
-        options_fail( o, "expected a %s", o->command->noun );
+        case OPTION_TO_FUNCTION:
+            to->take( o, text );
+            break;
+        case OPTION_TO_FLAG:
+            *(bool*)at = true;
+            break;
+        case OPTION_TO_FILE:
+            if ( strcmp( text, "-" ) == 0 )
+            {
+                options_fail( o, "%s: got '-', expected a file: standard output has the results", o->name );
+            }
+            *(const char**)at = text;
+            break;
+        case OPTION_TO_TEXT:
+            *(const char**)at = text;
+            break;
+        case OPTION_TO_WORD:
+            *(int*)at = option_word( o, text );
+            break;
+        case OPTION_TO_NAME:
+            *(const char**)at = o->values.words[option_word( o, text )];
+            break;
+        case OPTION_TO_WHOLE:
+            *(int*)at = option_whole( o, text, (int)to->lower, (int)to->upper );
+            break;
+        case OPTION_TO_NUMBER:
+            *(double*)at = read_positive( o, text, to->upper );
+            break;
+        case OPTION_TO_INPUT:
+        case OPTION_TO_INPUT_IF_ANY:
+            keep_input( o, text, at );
+            break;
     }
-    if ( key == OPTIONS_OPERAND && *input )
+}
+
+static void take_options( options_state* o, const row_list* list, int argc, char** argv )
+{
+    struct option longs[ROWS_MAX + 1];
+    char shorts[2 * ROWS_MAX + 2];
+    make_tables( list, longs, shorts );
+    opterr = 0;
+    for ( ;; )
     {
-        options_fail( o, "got a second %s '%s', expected one", o->command->noun, argument );
+        optopt = 0;
+        const int key = getopt_long( argc, argv, shorts, longs, NULL );
+        if ( key == -1 )
+        {
+            return;
+        }
+        const option_row* row = key == '?' && optopt == '?' ? options_common : find_row( list, key );
+        if ( row == NULL )
+        {
+            refuse( o, list, key, argv );
+        }
+        if ( row >= options_common && row < options_common + WISP_COUNT( options_common ) )
+        {
+            print_and_exit( o->command, row );
+        }
+        snprintf( o->name, sizeof o->name, "--%s", row->name );
+        o->values = row->values;
+        keep( o, optarg );
     }
-    if ( key == OPTIONS_OPERAND )
+}
+
+void options_parse( const command_text* command, options_fn* check, void* input, int argc, char** argv )
+{
+    options_state o = { .command = command, .input = input };
+    const row_list list = list_rows( command );
+    take_options( &o, &list, argc, argv );
+    snprintf( o.name, sizeof o.name, "%s", command->noun );
+    o.values = command->values;
+    for ( int i = optind; i < argc; ++i )
     {
-        *input = argument;
+        keep( &o, argv[i] );
     }
-    return key == OPTIONS_OPERAND || key == OPTIONS_END;
+    if ( o.values.to.kind == OPTION_TO_INPUT && *(const char**)( (char*)input + o.values.to.offset ) == NULL )
+    {
+        options_fail( &o, "expected a %s", command->noun );
+    }
+    if ( check )
+    {
+        check( &o );
+    }
 }

@@ -4,42 +4,98 @@
 
 #include "wisp/base.h"
 
+#include <stddef.h>
 #include <stdio.h>
 
-/// What an argument can be, for messages and for completion. All zero: any text.
+typedef struct options_state options_state;
+
+/// Take what no other place can: into `input` of the state.
+typedef void option_fn( const options_state* o, const char* argument );
+
+typedef enum option_kind
+{
+    OPTION_TO_FUNCTION, ///< null: the argument is ignored
+    OPTION_TO_FLAG,     ///< bool
+    OPTION_TO_TEXT,
+    OPTION_TO_FILE, ///< text; one that is written beside the results, which standard output has already: "-" is refused
+    OPTION_TO_WORD,   ///< int or enum, the index of the word
+    OPTION_TO_NAME,   ///< text, the word itself
+    OPTION_TO_WHOLE,  ///< int in [lower, upper]
+    OPTION_TO_NUMBER, ///< double in (0, upper]
+    OPTION_TO_INPUT,  ///< text; the one operand, which must be there
+    OPTION_TO_INPUT_IF_ANY,
+} option_kind;
+
+/// Where the value goes: a member of what the caller gives to options_parse(), or a function.
+typedef struct option_place
+{
+    option_kind kind;
+    size_t offset;
+    double lower, upper;
+    option_fn* take;
+} option_place;
+
+/// What an argument can be, for messages and for completion, and where it goes. All zero: any text.
 typedef struct option_values
 {
     const char* const* words; ///< [word_count] the only ones, or null
     int word_count;
     const char* files; ///< extensions such as ".yaml .json"; "*" is any file and "/" a folder; null: no file
+    option_place to;
 } option_values;
 
 /// One option, or the title of a group of them.
 typedef struct option_row
 {
     const char* name;     ///< long name without dashes; null in a title
-    int key;              ///< the short option, or a number from OPTION_KEY on
+    int key;              ///< the short option, or 0
     const char* argument; ///< name of the argument, "[NAME]" if it can be left out; null: none
     const char* text;     ///< what it does, without a full stop; null: understood, but not described
     option_values values;
 } option_row;
 
-#define OPTION_KEY 256 ///< the first key that is no character
 #define OPTION_TITLE( title )                                                                                        \
     {                                                                                                                \
         .text = ( title )                                                                                            \
     }
-#define OPTION_WORDS( list )                                                                                         \
+// Initialisers of option_values: `type` is that of the caller's struct.
+#define OPTION_TO( kind_of, type, member ) .to = { .kind = ( kind_of ), .offset = offsetof( type, member ) }
+#define OPTION_LIST( list ) .words = ( list ), .word_count = WISP_COUNT( list )
+#define OPTION_FLAG( type, member )                                                                                  \
     {                                                                                                                \
-        ( list ), WISP_COUNT( list ), NULL                                                                           \
+        OPTION_TO( OPTION_TO_FLAG, type, member )                                                                    \
     }
-#define OPTION_FILES( extensions )                                                                                   \
+#define OPTION_TEXT( type, member, extensions )                                                                      \
     {                                                                                                                \
-        NULL, 0, ( extensions )                                                                                      \
+        .files = ( extensions ), OPTION_TO( OPTION_TO_TEXT, type, member )                                           \
     }
-#define OPTION_ANY                                                                                                   \
+#define OPTION_FILE( type, member, extensions )                                                                      \
     {                                                                                                                \
-        NULL, 0, NULL                                                                                                \
+        .files = ( extensions ), OPTION_TO( OPTION_TO_FILE, type, member )                                           \
+    }
+#define OPTION_INPUT( kind_of, type, member, extensions )                                                            \
+    {                                                                                                                \
+        .files = ( extensions ), OPTION_TO( kind_of, type, member )                                                  \
+    }
+#define OPTION_WORD( type, member, list )                                                                            \
+    {                                                                                                                \
+        OPTION_LIST( list ), OPTION_TO( OPTION_TO_WORD, type, member )                                               \
+    }
+#define OPTION_NAME( type, member, list )                                                                            \
+    {                                                                                                                \
+        OPTION_LIST( list ), OPTION_TO( OPTION_TO_NAME, type, member )                                               \
+    }
+#define OPTION_WHOLE( type, member, least, most )                                                                    \
+    {                                                                                                                \
+        .to = { OPTION_TO_WHOLE, offsetof( type, member ), ( least ), ( most ), NULL }                               \
+    }
+#define OPTION_NUMBER( type, member, most )                                                                          \
+    {                                                                                                                \
+        .to = { OPTION_TO_NUMBER, offsetof( type, member ), 0.0, ( most ), NULL }                                    \
+    }
+#define OPTION_TAKEN( function )                                                                                     \
+    {                                                                                                                \
+        .to = {.take = ( function ) }                                                                                \
     }
 
 /// A command: its options, and what is said about it.
@@ -61,28 +117,22 @@ typedef struct command_text
 } command_text;
 
 /// The state of options_parse().
-typedef struct options_state
+struct options_state
 {
     const command_text* command;
     char name[48];        ///< what messages call the argument: "--steps", or the noun
     option_values values; ///< of the argument
     void* input;          ///< of the caller
-} options_state;
-
-/// Keys besides those of the rows.
-enum
-{
-    OPTIONS_OPERAND = -1,
-    OPTIONS_END = -2, ///< after everything else, without an argument
 };
 
-/// Take one option or operand. @return false if it is none of them
-typedef bool options_fn( options_state* o, int key, const char* argument );
+/// Judge the whole, after everything else.
+typedef void options_fn( const options_state* o );
 
 /// Read a command line as getopt_long() does: long options can be abbreviated, operands may stand between options, and
-/// "--" ends the options. Operands are delivered after all options. --help, --usage and --version print and end the
+/// "--" ends the options. Operands are taken after all options. --help, --usage and --version print and end the
 /// program; what is wrong ends it with STATUS_USAGE and one line on standard error.
-void options_parse( const command_text* command, options_fn* take, void* input, int argc, char** argv );
+/// @param check may be null
+void options_parse( const command_text* command, options_fn* check, void* input, int argc, char** argv );
 
 /// End the program with STATUS_USAGE and a line that begins with the command's name.
 _Noreturn void options_fail( const options_state* o, const char* format, ... )
@@ -92,17 +142,10 @@ _Noreturn void options_fail( const options_state* o, const char* format, ... )
 
 /// Read a whole number.
 int option_whole( const options_state* o, const char* text, int lower, int upper );
-/// Read a number in (0, upper].
-double option_positive( const options_state* o, const char* text, double upper );
 /// Read one of the words of the argument. The message for an unknown one suggests the nearest. @return its index
 int option_word( const options_state* o, const char* text );
 /// The same, of another list.
 int option_word_of( const options_state* o, const char* text, const char* const* words, int count );
-/// A file that is written beside the results, which standard output has already: "-" is refused.
-const char* option_file( const options_state* o, const char* text );
-/// The one operand of a command, such as its scene: keep it, or fail if there are none or two. @return whether the key was about it
-bool option_input( const options_state* o, int key, const char* argument, const char** input );
-
 // ---- what is said about commands ----
 
 /// Name of a command as a user types it: "wisp run". @param out [48]

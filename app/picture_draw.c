@@ -472,11 +472,12 @@ typedef struct drawing
     picture_survey survey;
     picture_fit* fits; ///< [plan.count] bounds of each picture; one if it is turned
     render_options render;
-    image* sheet;         ///< [plan.count] pictures kept for their sheet, or null
-    char ( *labels )[32]; ///< [plan.count] below them
+    image* sheet;        ///< [plan.count] pictures kept for their sheet, or null
+    const char** labels; ///< [plan.count] below them
     progress bar;
     int picture;  ///< the one being drawn
     bool is_seen; ///< a body, in any picture so far
+    io_memory memory;
 } drawing;
 
 // ---- choice of pictures ----
@@ -548,14 +549,17 @@ static wisp_status check_sheet( const drawing* d, wisp_error* error )
                       d->options->output, d->plan.count, d->render.width, d->render.height );
 }
 
+static wisp_status no_sheet( const drawing* d, wisp_error* error )
+{
+    return wisp_fail( error, WISP_NO_MEMORY, "render: out of memory for a sheet of %d pictures", d->plan.count );
+}
+
 static wisp_status make_sheet_room( drawing* d, wisp_error* error )
 {
     WISP_TRY( check_sheet( d, error ) );
-    d->sheet = calloc( (size_t)d->plan.count, sizeof *d->sheet );
-    d->labels = calloc( (size_t)d->plan.count, sizeof *d->labels );
-    return d->sheet && d->labels ? WISP_OK
-                                 : wisp_fail( error, WISP_NO_MEMORY,
-                                              "render: out of memory for a sheet of %d pictures", d->plan.count );
+    d->sheet = io_get( &d->memory, (size_t)d->plan.count * sizeof *d->sheet );
+    d->labels = io_get( &d->memory, (size_t)d->plan.count * sizeof *d->labels );
+    return d->memory.is_short ? no_sheet( d, error ) : WISP_OK;
 }
 
 // ---- the camera, the light of all pictures ----
@@ -566,7 +570,8 @@ static wisp_status find_glass( drawing* d, const picture_fit* frame, wisp_error*
     render_camera camera;
     wisp_status status = survey_camera( &d->survey, frame, &camera, error );
     wisp_error cause = { 0 };
-    status = status == WISP_OK ? picture_stage_find_glass( &d->source, &camera, &d->look, &cause ) : status;
+    status =
+        status == WISP_OK ? picture_stage_find_glass( &d->source, &camera, &d->look, &d->memory, &cause ) : status;
     return cause.status == WISP_OK ? status : wisp_fail( error, status, "%s: %s", d->source.path, cause.message );
 }
 
@@ -574,26 +579,18 @@ static wisp_status survey_frames( drawing* d, wisp_error* error )
 {
     int frames = d->plan.is_turning ? 1 : d->plan.count;
     float aspect = (float)d->render.width / (float)d->render.height;
-    d->fits = calloc( (size_t)frames, sizeof *d->fits );
+    d->fits = io_get( &d->memory, (size_t)frames * sizeof *d->fits );
     if ( !d->fits )
     {
         return wisp_fail( error, WISP_NO_MEMORY, "render: out of memory for %d pictures", frames );
     }
     WISP_TRY( picture_source_load( &d->source, frame_of( &d->plan, 0 ), error ) );
-    wisp_status status = WISP_OK;
     d->survey = begin_survey( d->options, &d->source, aspect );
-    for ( int i = 0; i < frames && status == WISP_OK; ++i )
+    for ( int i = 0; i < frames; ++i )
     {
-        status = picture_source_load( &d->source, frame_of( &d->plan, i ), error );
-        if ( status == WISP_OK )
-        {
-            d->fits[i] = add_to_survey( &d->source, &d->survey );
-        }
+        WISP_TRY( picture_source_load( &d->source, frame_of( &d->plan, i ), error ) );
+        d->fits[i] = add_to_survey( &d->source, &d->survey );
         progress_show( &d->bar, (double)( i + 1 ) / frames, "frames" );
-    }
-    if ( status != WISP_OK )
-    {
-        return status;
     }
     d->look = survey_look( &d->survey );
     return find_glass( d, &d->fits[frames - 1], error );
@@ -678,24 +675,26 @@ static wisp_status render_one( drawing* d, image* out, wisp_error* error )
 
 // ---- files ----
 
-static void write_label( drawing* d )
+static wisp_status write_label( drawing* d, wisp_error* error )
 {
-    char* label = d->labels[d->picture];
-    int frame = frame_of( &d->plan, d->picture );
+    const int frame = frame_of( &d->plan, d->picture );
     double seconds = 0.0;
-    wisp_error error = { 0 };
+    wisp_error no_time = { 0 };
+    char label[32];
     if ( d->plan.is_turning )
     {
-        snprintf( label, sizeof *d->labels, "%.0f degrees", 360.0 * d->picture / d->plan.count );
+        snprintf( label, sizeof label, "%.0f degrees", 360.0 * d->picture / d->plan.count );
     }
-    else if ( d->source.has_seconds && d->source.input->time( &d->source, frame, &seconds, &error ) == WISP_OK )
+    else if ( d->source.has_seconds && d->source.input->time( &d->source, frame, &seconds, &no_time ) == WISP_OK )
     {
-        snprintf( label, sizeof *d->labels, d->source.step < 0.01 ? "%.4f s" : "%.2f s", seconds );
+        snprintf( label, sizeof label, d->source.step < 0.01 ? "%.4f s" : "%.2f s", seconds );
     }
     else
     {
-        snprintf( label, sizeof *d->labels, "frame %d", frame );
+        snprintf( label, sizeof label, "frame %d", frame );
     }
+    d->labels[d->picture] = io_copy( &d->memory, label, sizeof label );
+    return d->memory.is_short ? no_sheet( d, error ) : WISP_OK;
 }
 
 /// The name of a picture in a sequence: file_0001.png of file.png.
@@ -720,23 +719,10 @@ static wisp_status write_picture( const drawing* d, const image* picture, wisp_e
 // @param count of pictures that are drawn
 static wisp_status write_contact_sheet( const drawing* d, int count, wisp_error* error )
 {
-    const char** labels = calloc( (size_t)d->plan.count, sizeof *labels );
-    if ( !labels )
-    {
-        return wisp_fail( error, WISP_NO_MEMORY, "render: out of memory for a sheet of %d pictures", d->plan.count );
-    }
-    for ( int i = 0; i < count; ++i )
-    {
-        labels[i] = d->labels[i];
-    }
     image sheet = { 0 };
-    wisp_status status = image_sheet( d->sheet, count, d->options->columns, labels, &sheet, error );
-    if ( status == WISP_OK )
-    {
-        status = image_write_png( d->options->output, &sheet, error );
-    }
+    wisp_status status = image_sheet( d->sheet, count, d->options->columns, d->labels, &sheet, error );
+    status = status == WISP_OK ? image_write_png( d->options->output, &sheet, error ) : status;
     image_release( &sheet );
-    free( labels );
     return status;
 }
 
@@ -749,8 +735,8 @@ static wisp_status draw_all( drawing* d, wisp_error* error )
         status = render_one( d, &picture, error );
         if ( status == WISP_OK && d->sheet )
         {
-            write_label( d );
             d->sheet[d->picture] = picture;
+            status = write_label( d, error );
             continue;
         }
         if ( status == WISP_OK )
@@ -855,10 +841,7 @@ static void release( drawing* d )
     {
         image_release( &d->sheet[i] );
     }
-    free( d->sheet );
-    free( d->labels );
-    free( d->fits );
-    free( d->look.is_glass );
+    io_release( &d->memory );
     picture_source_close( &d->source );
 }
 
@@ -868,24 +851,15 @@ wisp_status picture_draw( const picture_options* options, wisp_error* error )
     drawing d = { .options = options, .bar = progress_begin() };
     set_render_options( &d );
     wisp_status status = check_folder( options->output, error );
-    if ( status == WISP_OK )
-    {
-        status = picture_source_open( &options->source, &d.source, error );
-    }
+    status = status == WISP_OK ? picture_source_open( &options->source, &d.source, error ) : status;
     if ( status == WISP_OK )
     {
         interruption_begin(); // before that there is nothing to keep
         d.source.bar = &d.bar;
         status = choose( &d, error );
     }
-    if ( status == WISP_OK && options->is_sheet )
-    {
-        status = make_sheet_room( &d, error );
-    }
-    if ( status == WISP_OK )
-    {
-        status = survey_frames( &d, error );
-    }
+    status = status == WISP_OK && options->is_sheet ? make_sheet_room( &d, error ) : status;
+    status = status == WISP_OK ? survey_frames( &d, error ) : status;
     if ( status == WISP_OK )
     {
         // From here on the progress bar counts pictures; steps between two of them would make it jump.

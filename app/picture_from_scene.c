@@ -6,7 +6,6 @@
 #include "wisp/module/definition.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 typedef struct simulation
@@ -37,6 +36,11 @@ static bool is_hidden( const simulation* s, int body )
 
 // ---- the world ----
 
+static scene_request request_of( picture_value value )
+{
+    return value == PICTURE_STRAIN ? SCENE_REQUEST_STRAIN : SCENE_REQUEST_SPEED;
+}
+
 static wisp_status request_all( const picture_source* source, simulation* s, wisp_error* error )
 {
     int moving = scene_world_moving_count( &s->world );
@@ -49,15 +53,11 @@ static wisp_status request_all( const picture_source* source, simulation* s, wis
         WISP_TRY( scene_world_request( &s->world, i, SCENE_REQUEST_POINTS, error ) );
         if ( source->bodies[i].values && source->value != PICTURE_MAP )
         {
-            WISP_TRY( scene_world_request(
-                &s->world, i, source->value == PICTURE_STRAIN ? SCENE_REQUEST_STRAIN : SCENE_REQUEST_SPEED, error ) );
+            WISP_TRY( scene_world_request( &s->world, i, request_of( source->value ), error ) );
         }
         if ( has_appearance( s, i ) )
         {
             WISP_TRY( scene_world_request( &s->world, i, SCENE_REQUEST_WIDTH, error ) );
-        }
-        if ( has_appearance( s, i ) )
-        {
             WISP_TRY( scene_world_request( &s->world, i, SCENE_REQUEST_COLOUR, error ) );
         }
     }
@@ -135,73 +135,60 @@ static wisp_status read_layer( picture_source* source, simulation* s, int body, 
 static wisp_status read_body( picture_source* source, simulation* s, int body, wisp_error* error )
 {
     picture_body* b = &source->bodies[body];
-    wisp_status status = scene_world_points( &s->world, body, b->points, error );
-    if ( status == WISP_OK && b->values && source->value != PICTURE_MAP )
+    WISP_TRY( scene_world_points( &s->world, body, b->points, error ) );
+    if ( b->values && source->value != PICTURE_MAP )
     {
-        status = scene_world_numbers( &s->world, body,
-                                      source->value == PICTURE_STRAIN ? SCENE_REQUEST_STRAIN : SCENE_REQUEST_SPEED,
-                                      b->values, error );
+        WISP_TRY( scene_world_numbers( &s->world, body, request_of( source->value ), b->values, error ) );
     }
     // Width and colour are not computed before the first step; the bodies keep their own.
-    if ( status == WISP_OK && has_appearance( s, body ) && s->world.next_step > 0 )
+    if ( has_appearance( s, body ) && s->world.next_step > 0 )
     {
-        status = scene_world_numbers( &s->world, body, SCENE_REQUEST_WIDTH, b->widths, error );
-        if ( status == WISP_OK )
-        {
-            status = scene_world_colours( &s->world, body, b->colours, error );
-        }
+        WISP_TRY( scene_world_numbers( &s->world, body, SCENE_REQUEST_WIDTH, b->widths, error ) );
+        WISP_TRY( scene_world_colours( &s->world, body, b->colours, error ) );
     }
-    return status == WISP_OK ? read_layer( source, s, body, error ) : status;
+    return read_layer( source, s, body, error );
 }
 
 static wisp_status step_to( picture_source* source, simulation* s, int frame, wisp_error* error )
 {
-    wisp_status status = WISP_OK;
-    int first = s->world.next_step;
-    while ( s->world.next_step < frame && status == WISP_OK )
+    const int first = s->world.next_step;
+    while ( s->world.next_step < frame )
     {
-        status = interruption_check( error );
-        status = status == WISP_OK ? scene_world_step( &s->world, error ) : status;
+        WISP_TRY( interruption_check( error ) );
+        WISP_TRY( scene_world_step( &s->world, error ) );
         if ( source->bar )
         {
             progress_show( source->bar, (double)( s->world.next_step - first ) / ( frame - first ), "steps" );
         }
     }
-    return status;
+    return WISP_OK;
 }
 
 // Names, triangles and offsets belonged to the previous world; those of the new one have the same content.
 static wisp_status start_again( picture_source* source, simulation* s, wisp_error* error )
 {
-    wisp_status status = start_world( s, error );
-    for ( int i = 0; i < source->body_count && status == WISP_OK; ++i )
+    WISP_TRY( start_world( s, error ) );
+    for ( int i = 0; i < source->body_count; ++i )
     {
         scene_body body = scene_world_body( &s->world, i );
         source->bodies[i].name = body.name;
         source->bodies[i].triangles = body.triangles;
         source->bodies[i].offsets = body.offsets;
     }
-    return status == WISP_OK ? request_all( source, s, error ) : status;
+    return request_all( source, s, error );
 }
 
 static wisp_status load_simulated( picture_source* source, int frame, wisp_error* error )
 {
     simulation* s = source->state;
-    wisp_status status = WISP_OK;
     // A restart that failed left no world behind.
-    if ( !s->has_world || s->world.next_step > frame )
+    WISP_TRY( !s->has_world || s->world.next_step > frame ? start_again( source, s, error ) : WISP_OK );
+    WISP_TRY( step_to( source, s, frame, error ) );
+    for ( int i = 0; i < source->body_count; ++i )
     {
-        status = start_again( source, s, error );
+        WISP_TRY( is_hidden( s, i ) ? WISP_OK : read_body( source, s, i, error ) );
     }
-    if ( status == WISP_OK )
-    {
-        status = step_to( source, s, frame, error );
-    }
-    for ( int i = 0; i < source->body_count && status == WISP_OK; ++i )
-    {
-        status = is_hidden( s, i ) ? WISP_OK : read_body( source, s, i, error );
-    }
-    return status;
+    return WISP_OK;
 }
 
 static wisp_status time_of_step( picture_source* source, int frame, double* seconds, wisp_error* error )
@@ -226,33 +213,18 @@ static const picture_input scene_input = { load_simulated, time_of_step, close_s
 // ---- bodies ----
 
 // Strands without an appearance keep the widths and colours of their groom.
-static bool give_looks( simulation* s, int body, picture_body* b )
+static void give_looks( picture_source* source, const simulation* s, int body, picture_body* b )
 {
     const wisp_groom* groom = &s->world.grooms[body];
-    size_t count = (size_t)b->vertex_count;
-    bool made = true;
-    if ( groom->thickness || has_appearance( s, body ) )
+    const size_t widths = (size_t)b->vertex_count * sizeof *b->widths;
+    const size_t colours = (size_t)b->vertex_count * sizeof *b->colours;
+    b->widths = io_copy( &source->memory, groom->thickness, widths );
+    b->colours = io_copy( &source->memory, groom->colour, colours );
+    if ( has_appearance( s, body ) )
     {
-        b->widths = calloc( count + 1, sizeof *b->widths );
-        made = b->widths != NULL;
+        b->widths = b->widths ? b->widths : io_get( &source->memory, widths );
+        b->colours = b->colours ? b->colours : io_get( &source->memory, colours );
     }
-    if ( groom->colour || has_appearance( s, body ) )
-    {
-        b->colours = calloc( count + 1, sizeof *b->colours );
-        made = made && b->colours;
-    }
-    for ( size_t v = 0; made && v < count; ++v )
-    {
-        if ( groom->thickness )
-        {
-            b->widths[v] = groom->thickness[v];
-        }
-        if ( groom->colour )
-        {
-            b->colours[v] = groom->colour[v];
-        }
-    }
-    return made;
 }
 
 static wisp_status add_picture_body( picture_source* source, simulation* s, int body, wisp_error* error )
@@ -276,18 +248,18 @@ static wisp_status add_picture_body( picture_source* source, simulation* s, int 
     };
     const bool has_values =
         source->value == PICTURE_MAP ? has_map( s, body ) : source->value != PICTURE_BODY && picture_is_surface( to );
-    wisp_status status = picture_make_points( source, body, has_values, error );
-    if ( status == WISP_OK && has_values && source->value == PICTURE_MAP )
+    WISP_TRY( picture_make_points( source, body, has_values, error ) );
+    if ( has_values && source->value == PICTURE_MAP )
     {
-        status = scene_world_map( &s->world, body - s->scene.strands_count, to->values, error );
+        WISP_TRY( scene_world_map( &s->world, body - s->scene.strands_count, to->values, error ) );
     }
-    if ( status == WISP_OK && from.kind == SCENE_BODY_STRANDS && !give_looks( s, body, to ) )
+    if ( from.kind == SCENE_BODY_STRANDS )
     {
-        status = picture_no_memory( source, error );
+        give_looks( source, s, body, to );
     }
     const wisp_boundary_def* layer = layer_of( s, body );
     to->layer.spacing = layer ? layer_spacing( s, body, layer ) : 0.0f;
-    return status;
+    return picture_check_memory( source, error );
 }
 
 // A picture of the start shows hair with the appearance of its first step.
@@ -303,14 +275,14 @@ static wisp_status borrow_first_look( picture_source* source, simulation* s, wis
 
 static wisp_status add_bodies( picture_source* source, simulation* s, wisp_error* error )
 {
-    wisp_status status = picture_make_bodies( source, scene_world_body_count( &s->world ), error );
+    WISP_TRY( picture_make_bodies( source, scene_world_body_count( &s->world ), error ) );
     bool has_values = false;
-    for ( int i = 0; i < source->body_count && status == WISP_OK; ++i )
+    for ( int i = 0; i < source->body_count; ++i )
     {
-        status = add_picture_body( source, s, i, error );
+        WISP_TRY( add_picture_body( source, s, i, error ) );
         has_values = has_values || source->bodies[i].values;
     }
-    if ( status == WISP_OK && source->value != PICTURE_BODY && !has_values )
+    if ( source->value != PICTURE_BODY && !has_values )
     {
         return wisp_fail( error, WISP_BAD_INPUT,
                           source->value == PICTURE_MAP
@@ -318,38 +290,23 @@ static wisp_status add_bodies( picture_source* source, simulation* s, wisp_error
                               : "%s: got no surface, but only surfaces have strain and speed",
                           source->path );
     }
-    return status;
+    return WISP_OK;
 }
 
 wisp_status picture_open_scene( picture_source* source, const picture_source_def* def, wisp_error* error )
 {
-    simulation* s = calloc( 1, sizeof *s );
-    if ( !s )
-    {
-        return picture_no_memory( source, error );
-    }
-    source->input = &scene_input;
-    source->state = s;
+    WISP_TRY( picture_start( source, &scene_input, sizeof( simulation ), error ) );
+    simulation* s = source->state;
     s->options = def->world;
     s->shows_layers = def->layer != PICTURE_LAYER_NONE || def->has_layer_normals;
-    wisp_status status = wisp_scene_read( def->path, &s->scene, error );
-    if ( status == WISP_OK )
-    {
-        s->scene.steps = def->steps > 0 ? def->steps : s->scene.steps;
-        status = start_world( s, error );
-    }
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( wisp_scene_read( def->path, &s->scene, error ) );
+    s->scene.steps = def->steps > 0 ? def->steps : s->scene.steps;
+    WISP_TRY( start_world( s, error ) );
     source->frame_count = s->scene.steps + 1;
     memcpy( source->origin, s->scene.origin, sizeof source->origin );
     source->step = (double)s->scene.dt;
     source->has_seconds = true;
-    status = add_bodies( source, s, error );
-    if ( status == WISP_OK )
-    {
-        status = request_all( source, s, error );
-    }
-    return status == WISP_OK ? borrow_first_look( source, s, error ) : status;
+    WISP_TRY( add_bodies( source, s, error ) );
+    WISP_TRY( request_all( source, s, error ) );
+    return borrow_first_look( source, s, error );
 }

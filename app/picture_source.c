@@ -1,21 +1,27 @@
 #include "picture_source.h"
 
-#include "io_file.h"
-
 #include "wisp/module/definition.h"
 
 #include <limits.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 // ---- memory ----
 
 // Memory for the bodies of a picture, of every kind of input.
 
-wisp_status picture_no_memory( const picture_source* source, wisp_error* error )
+wisp_status picture_check_memory( const picture_source* source, wisp_error* error )
 {
-    return wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for its bodies", source->path );
+    return source->memory.is_short
+               ? wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for its bodies", source->path )
+               : WISP_OK;
+}
+
+wisp_status picture_start( picture_source* source, const picture_input* input, size_t state, wisp_error* error )
+{
+    source->input = input;
+    source->state = io_get( &source->memory, state );
+    return picture_check_memory( source, error );
 }
 
 wisp_status picture_make_bodies( picture_source* source, int count, wisp_error* error )
@@ -24,23 +30,20 @@ wisp_status picture_make_bodies( picture_source* source, int count, wisp_error* 
     {
         return wisp_fail( error, WISP_BAD_INPUT, "%s: contains nothing to draw", source->path );
     }
-    source->bodies = calloc( (size_t)count, sizeof *source->bodies );
-    source->points = calloc( (size_t)count, sizeof *source->points );
-    source->body_count = source->bodies && source->points ? count : 0;
-    return source->body_count > 0 ? WISP_OK : picture_no_memory( source, error );
+    source->bodies = io_get( &source->memory, (size_t)count * sizeof *source->bodies );
+    source->points = io_get( &source->memory, (size_t)count * sizeof *source->points );
+    source->body_count = source->memory.is_short ? 0 : count;
+    return picture_check_memory( source, error );
 }
 
 wisp_status picture_make_points( picture_source* source, int body, bool has_values, wisp_error* error )
 {
     picture_body* b = &source->bodies[body];
     size_t count = (size_t)b->vertex_count + 1;
-    b->points = malloc( count * sizeof *b->points );
+    b->points = io_get( &source->memory, count * sizeof *b->points );
     source->points[body] = b->points;
-    if ( has_values )
-    {
-        b->values = calloc( count, sizeof *b->values );
-    }
-    return b->points && ( b->values || !has_values ) ? WISP_OK : picture_no_memory( source, error );
+    b->values = has_values ? io_get( &source->memory, count * sizeof *b->values ) : NULL;
+    return picture_check_memory( source, error );
 }
 
 wisp_status picture_make_layer( picture_source* source, int body, int count, wisp_error* error )
@@ -51,14 +54,11 @@ wisp_status picture_make_layer( picture_source* source, int body, int count, wis
     {
         return WISP_OK;
     }
-    free( layer->points );
-    free( layer->normals );
     // A layer that grows from frame to frame is not reallocated in each of them.
-    const size_t room = (size_t)count + ( count <= INT_MAX / 2 ? (size_t)count / 4 : 0 );
-    layer->points = malloc( room * sizeof *layer->points );
-    layer->normals = malloc( room * sizeof *layer->normals );
-    layer->room = layer->points && layer->normals ? (int)room : 0;
-    return layer->room > 0 ? WISP_OK : picture_no_memory( source, error );
+    layer->room = count + ( count <= INT_MAX / 2 ? count / 4 : 0 );
+    layer->points = io_get( &source->memory, (size_t)layer->room * sizeof *layer->points );
+    layer->normals = io_get( &source->memory, (size_t)layer->room * sizeof *layer->normals );
+    return picture_check_memory( source, error );
 }
 
 // Whether every edge of a mesh has two triangles or more, an even number.
@@ -95,7 +95,6 @@ typedef struct playback
     wisp_mesh mesh;        ///< triangles of a point cache
     wisp_vec3** others[2]; ///< [body_count] of another frame each: the first for strain, neighbours for speed
     int32_t** first;       ///< [body_count] triangles of the first frame where they change, else null
-    int body_count;        ///< of `others`
 } playback;
 
 static wisp_status read_frame( picture_source* source, int frame, wisp_vec3** points, double* seconds,
@@ -213,31 +212,18 @@ static wisp_status load_recorded( picture_source* source, int frame, wisp_error*
     playback* p = source->state;
     double seconds = 0.0;
     // last the frame itself, because triangles are those of the frame read last
-    wisp_status status = source->value == PICTURE_SPEED ? load_speed( source, frame, error ) : WISP_OK;
-    status = status == WISP_OK ? read_frame( source, frame, source->points, &seconds, error ) : status;
-    for ( int i = 0; i < source->body_count && status == WISP_OK && source->value == PICTURE_STRAIN; ++i )
+    WISP_TRY( source->value == PICTURE_SPEED ? load_speed( source, frame, error ) : WISP_OK );
+    WISP_TRY( read_frame( source, frame, source->points, &seconds, error ) );
+    for ( int i = 0; i < source->body_count && source->value == PICTURE_STRAIN; ++i )
     {
         find_strain( &source->bodies[i], p->others[0][i], first_triangles( p, source->bodies + i, i ) );
     }
-    return status;
+    return WISP_OK;
 }
 
 static void close_playback( picture_source* source )
 {
     playback* p = source->state;
-    for ( int k = 0; k < WISP_COUNT( p->others ); ++k )
-    {
-        for ( int i = 0; p->others[k] && i < p->body_count; ++i )
-        {
-            free( p->others[k][i] );
-        }
-        free( p->others[k] );
-    }
-    for ( int i = 0; p->first && i < p->body_count; ++i )
-    {
-        free( p->first[i] );
-    }
-    free( p->first );
     wisp_recording_close( p->recording );
     wisp_mesh_release( &p->mesh );
 }
@@ -246,34 +232,25 @@ static const picture_input playback_input = { load_recorded, time_of_frame, clos
 
 // ---- bodies ----
 
-static wisp_status make_others( picture_source* source, wisp_error* error )
-{
-    playback* p = source->state;
-    p->body_count = source->body_count;
-    bool made = true;
-    for ( int k = 0; k < WISP_COUNT( p->others ); ++k )
-    {
-        p->others[k] = calloc( (size_t)source->body_count, sizeof *p->others[k] );
-        for ( int i = 0; p->others[k] && i < source->body_count; ++i )
-        {
-            p->others[k][i] = malloc( ( (size_t)source->bodies[i].vertex_count + 1 ) * sizeof( wisp_vec3 ) );
-            made = made && p->others[k][i];
-        }
-        made = made && p->others[k];
-    }
-    p->first = calloc( (size_t)source->body_count, sizeof *p->first );
-    made = made && p->first;
-    return made ? WISP_OK : picture_no_memory( source, error );
-}
-
 static wisp_status make_room( picture_source* source, wisp_error* error )
 {
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < source->body_count && status == WISP_OK; ++i )
+    playback* p = source->state;
+    const size_t count = (size_t)source->body_count;
+    for ( int i = 0; i < source->body_count; ++i )
     {
-        status = picture_make_points( source, i, source->value != PICTURE_BODY, error );
+        WISP_TRY( picture_make_points( source, i, source->value != PICTURE_BODY, error ) );
     }
-    return status == WISP_OK ? make_others( source, error ) : status;
+    for ( int k = 0; k < WISP_COUNT( p->others ); ++k )
+    {
+        p->others[k] = io_get( &source->memory, count * sizeof *p->others[k] );
+        for ( int i = 0; p->others[k] && i < source->body_count; ++i )
+        {
+            const size_t room = (size_t)source->bodies[i].vertex_count + 1;
+            p->others[k][i] = io_get( &source->memory, room * sizeof( wisp_vec3 ) );
+        }
+    }
+    p->first = io_get( &source->memory, count * sizeof *p->first );
+    return picture_check_memory( source, error );
 }
 
 static bool is_rigid( const picture_body* body, const wisp_vec3* rest, const int32_t* first )
@@ -287,22 +264,13 @@ static bool is_rigid( const picture_body* body, const wisp_vec3* rest, const int
 static wisp_status keep_first_triangles( picture_source* source, wisp_error* error )
 {
     const playback* p = source->state;
-    bool made = true;
     for ( int i = 0; i < source->body_count; ++i )
     {
         const wisp_record_body* body = wisp_recording_body( p->recording, i );
         const size_t bytes = 3 * (size_t)body->triangle_count * sizeof *body->triangles;
-        if ( body->triangles_change && bytes > 0 )
-        {
-            p->first[i] = malloc( bytes );
-            made = made && p->first[i] != NULL;
-            if ( p->first[i] != NULL )
-            {
-                memcpy( p->first[i], body->triangles, bytes );
-            }
-        }
+        p->first[i] = body->triangles_change ? io_copy( &source->memory, body->triangles, bytes ) : NULL;
     }
-    return made ? WISP_OK : picture_no_memory( source, error );
+    return picture_check_memory( source, error );
 }
 
 // A body whose edges all keep their length is a collider; of the rest, closed meshes are balloons. A single frame
@@ -312,8 +280,8 @@ static wisp_status guess_kinds( picture_source* source, wisp_error* error )
     playback* p = source->state;
     const int seen[2] = { source->frame_count / 2, source->frame_count - 1 };
     double seconds;
-    wisp_status status = read_frame( source, 0, p->others[0], &seconds, error );
-    status = status == WISP_OK ? keep_first_triangles( source, error ) : status;
+    WISP_TRY( read_frame( source, 0, p->others[0], &seconds, error ) );
+    WISP_TRY( keep_first_triangles( source, error ) );
     for ( int i = 0; i < source->body_count; ++i )
     {
         picture_body* body = &source->bodies[i];
@@ -321,10 +289,10 @@ static wisp_status guess_kinds( picture_source* source, wisp_error* error )
                      : source->frame_count > 1 ? SCENE_BODY_COLLIDER
                                                : SCENE_BODY_CLOTH;
     }
-    for ( int k = 0; k < 2 && status == WISP_OK; ++k )
+    for ( int k = 0; k < 2; ++k )
     {
-        status = read_frame( source, seen[k], source->points, &seconds, error );
-        for ( int i = 0; i < source->body_count && status == WISP_OK; ++i )
+        WISP_TRY( read_frame( source, seen[k], source->points, &seconds, error ) );
+        for ( int i = 0; i < source->body_count; ++i )
         {
             picture_body* body = &source->bodies[i];
             bool is_bent = body->kind == SCENE_BODY_COLLIDER &&
@@ -332,30 +300,20 @@ static wisp_status guess_kinds( picture_source* source, wisp_error* error )
             body->kind = is_bent ? SCENE_BODY_CLOTH : body->kind;
         }
     }
-    for ( int i = 0; i < source->body_count && status == WISP_OK; ++i )
+    for ( int i = 0; i < source->body_count; ++i )
     {
         picture_body* body = &source->bodies[i];
         bool is_closed = false;
-        if ( body->kind == SCENE_BODY_CLOTH )
-        {
-            status = is_mesh_closed( body, &is_closed, error );
-        }
+        WISP_TRY( body->kind == SCENE_BODY_CLOTH ? is_mesh_closed( body, &is_closed, error ) : WISP_OK );
         body->kind = is_closed ? SCENE_BODY_BALLOON : body->kind;
     }
-    return status;
-}
-
-static wisp_status start_playback( picture_source* source, wisp_error* error )
-{
-    source->input = &playback_input;
-    source->state = calloc( 1, sizeof( playback ) );
-    return source->state ? WISP_OK : picture_no_memory( source, error );
+    return WISP_OK;
 }
 
 static wisp_status finish_playback( picture_source* source, wisp_error* error )
 {
-    wisp_status status = make_room( source, error );
-    return status == WISP_OK ? guess_kinds( source, error ) : status;
+    WISP_TRY( make_room( source, error ) );
+    return guess_kinds( source, error );
 }
 
 static wisp_status refuse_empty( const picture_source* source, wisp_error* error )
@@ -365,23 +323,16 @@ static wisp_status refuse_empty( const picture_source* source, wisp_error* error
 
 static wisp_status open_recording( picture_source* source, const picture_source_def* def, wisp_error* error )
 {
-    wisp_status status = start_playback( source, error );
+    WISP_TRY( picture_start( source, &playback_input, sizeof( playback ), error ) );
     playback* p = source->state;
-    if ( status == WISP_OK )
-    {
-        status = wisp_recording_open( def->path, &p->recording, error );
-    }
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( wisp_recording_open( def->path, &p->recording, error ) );
     wisp_recording_info info = wisp_recording_describe( p->recording );
     source->frame_count = info.frame_count;
     memcpy( source->origin, info.origin, sizeof source->origin );
     source->step = info.dt;
     source->has_seconds = true;
-    status =
-        info.frame_count > 0 ? picture_make_bodies( source, info.body_count, error ) : refuse_empty( source, error );
+    WISP_TRY( info.frame_count > 0 ? picture_make_bodies( source, info.body_count, error )
+                                   : refuse_empty( source, error ) );
     for ( int i = 0; i < source->body_count; ++i )
     {
         const wisp_record_body* body = wisp_recording_body( p->recording, i );
@@ -394,7 +345,7 @@ static wisp_status open_recording( picture_source* source, const picture_source_
             .strand_count = body->strand_count,
         };
     }
-    return status == WISP_OK ? finish_playback( source, error ) : status;
+    return finish_playback( source, error );
 }
 
 static wisp_status read_triangles( picture_source* source, const picture_source_def* def, int point_count,
@@ -406,27 +357,18 @@ static wisp_status read_triangles( picture_source* source, const picture_source_
         return wisp_fail( error, WISP_BAD_INPUT,
                           "%s: a point cache has no triangles; --mesh names a mesh that has them", def->path );
     }
-    wisp_status status = wisp_mesh_read( def->mesh, &p->mesh, error );
-    if ( status == WISP_OK && p->mesh.vertex_count != point_count )
-    {
-        status = wisp_fail( error, WISP_BAD_INPUT, "%s: got %d vertices, but %s has %d points", def->mesh,
+    WISP_TRY( wisp_mesh_read( def->mesh, &p->mesh, error ) );
+    return p->mesh.vertex_count == point_count
+               ? WISP_OK
+               : wisp_fail( error, WISP_BAD_INPUT, "%s: got %d vertices, but %s has %d points", def->mesh,
                             p->mesh.vertex_count, def->path, point_count );
-    }
-    return status;
 }
 
 static wisp_status open_cache( picture_source* source, const picture_source_def* def, wisp_error* error )
 {
-    wisp_status status = start_playback( source, error );
+    WISP_TRY( picture_start( source, &playback_input, sizeof( playback ), error ) );
     playback* p = source->state;
-    if ( status == WISP_OK )
-    {
-        status = wisp_pc2_open( def->path, &p->recording, error );
-    }
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( wisp_pc2_open( def->path, &p->recording, error ) );
     source->frame_count = wisp_recording_describe( p->recording ).frame_count;
     WISP_TRY( source->frame_count > 0
                   ? read_triangles( source, def, wisp_recording_body( p->recording, 0 )->vertex_count, error )
@@ -481,15 +423,11 @@ static wisp_status read_still_groom( picture_source* source, const char* path, w
 {
     wisp_groom* groom = &( (still*)source->state )->groom;
     picture_body* body = &source->bodies[0];
-    wisp_status status = wisp_groom_read( path, groom, error );
+    WISP_TRY( wisp_groom_read( path, groom, error ) );
     wisp_error cause = { 0 };
-    if ( status == WISP_OK && wisp_groom_check( groom, &cause ) != WISP_OK )
+    if ( wisp_groom_check( groom, &cause ) != WISP_OK )
     {
-        status = wisp_fail( error, cause.status, "%s: %s", source->path, cause.message );
-    }
-    if ( status != WISP_OK )
-    {
-        return status;
+        return wisp_fail( error, cause.status, "%s: %s", source->path, cause.message );
     }
     *body = ( picture_body ){
         .name = "hair",
@@ -500,9 +438,6 @@ static wisp_status read_still_groom( picture_source* source, const char* path, w
         .widths = groom->thickness,
         .colours = groom->colour,
     };
-    // The body owns them from here on, like those that a scene fills.
-    groom->thickness = NULL;
-    groom->colour = NULL;
     return picture_make_points( source, 0, false, error );
 }
 
@@ -535,10 +470,8 @@ static wisp_status open_still( picture_source* source, file_kind kind, const pic
                                                     : "%s: a single shape without motion has no strain and no speed",
                           source->path );
     }
-    source->input = &still_input;
     source->frame_count = 1;
-    source->state = calloc( 1, sizeof( still ) );
-    WISP_TRY( source->state ? WISP_OK : picture_no_memory( source, error ) );
+    WISP_TRY( picture_start( source, &still_input, sizeof( still ), error ) );
     WISP_TRY( picture_make_bodies( source, 1, error ) );
     return kind == FILE_GROOM ? read_still_groom( source, def->path, error )
                               : read_still_mesh( source, def->path, error );
@@ -605,14 +538,8 @@ wisp_status picture_source_open( const picture_source_def* def, picture_source* 
     *out = ( picture_source ){ .path = io_input_name( def->path ), .value = def->value, .frame = -1, .step = 1.0 };
     file_kind kind = FILE_UNKNOWN;
     wisp_status status = file_kind_find( def->path, &kind, error );
-    if ( status == WISP_OK )
-    {
-        status = open_kind( out, kind, def, error );
-    }
-    if ( status == WISP_OK )
-    {
-        status = check_layers( out, def, error );
-    }
+    status = status == WISP_OK ? open_kind( out, kind, def, error ) : status;
+    status = status == WISP_OK ? check_layers( out, def, error ) : status;
     if ( status != WISP_OK )
     {
         picture_source_close( out );
@@ -673,17 +600,6 @@ void picture_source_close( picture_source* source )
     {
         source->input->close( source );
     }
-    for ( int i = 0; i < source->body_count; ++i )
-    {
-        free( source->bodies[i].points );
-        free( source->bodies[i].widths );
-        free( source->bodies[i].colours );
-        free( source->bodies[i].values );
-        free( source->bodies[i].layer.points );
-        free( source->bodies[i].layer.normals );
-    }
-    free( source->bodies );
-    free( source->points );
-    free( source->state );
+    io_release( &source->memory );
     *source = ( picture_source ){ 0 };
 }

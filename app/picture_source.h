@@ -3,6 +3,7 @@
 #pragma once
 
 #include "file_kind.h"
+#include "io_file.h"
 #include "progress.h"
 #include "record.h"
 #include "world_from_scene.h"
@@ -79,6 +80,7 @@ struct picture_source
     progress* bar;      ///< progress bar for the steps on the way to a frame, or null
     void* state;        ///< of the input
     wisp_vec3** points; ///< [body_count] the points of each body, in the form of the readers
+    io_memory memory;   ///< of the state, the bodies and their arrays
 };
 
 typedef struct picture_source_def
@@ -112,13 +114,16 @@ void picture_source_close( picture_source* source );
 
 wisp_status picture_open_scene( picture_source* source, const picture_source_def* def, wisp_error* error );
 
+/// Make a zero state of some bytes.
+wisp_status picture_start( picture_source* source, const picture_input* input, size_t state, wisp_error* error );
 /// Make room for a number of bodies, all zero.
 wisp_status picture_make_bodies( picture_source* source, int count, wisp_error* error );
 /// Allocate the points of a body whose vertex_count is set, and values if it has some.
 wisp_status picture_make_points( picture_source* source, int body, bool has_values, wisp_error* error );
 /// Allocate boundary particles; existing ones are lost.
 wisp_status picture_make_layer( picture_source* source, int body, int count, wisp_error* error );
-wisp_status picture_no_memory( const picture_source* source, wisp_error* error );
+/// @return WISP_NO_MEMORY if a block of the source's memory was refused
+wisp_status picture_check_memory( const picture_source* source, wisp_error* error );
 
 /// Whether a body is cloth or a balloon.
 static inline bool picture_is_surface( const picture_body* body )

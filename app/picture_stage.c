@@ -3,8 +3,9 @@
 #include "palette.h"
 #include "world_from_scene.h"
 
+#include "wisp/module/definition.h"
+
 #include <math.h>
-#include <stdlib.h>
 
 // ---- glass ----
 
@@ -32,36 +33,25 @@ static bool is_sight( const picture_body* body )
     return picture_is_surface( body ) || body->kind == SCENE_BODY_STRANDS;
 }
 
-static wisp_status make_sights( const picture_source* source, sights* out, wisp_error* error )
+static sights make_sights( const picture_source* source, io_memory* memory )
 {
     const size_t room = (size_t)source->body_count * SIGHTS_MAX + 1;
-    *out = ( sights ){
-        .points = malloc( room * sizeof *out->points ),
-        .owner = malloc( room * sizeof *out->owner ),
-        .first = malloc( room * sizeof *out->first ),
+    sights out = {
+        .points = io_get( memory, room * sizeof *out.points ),
+        .owner = io_get( memory, room * sizeof *out.owner ),
+        .first = io_get( memory, room * sizeof *out.first ),
     };
-    if ( !out->points || !out->owner || !out->first )
-    {
-        return wisp_fail( error, WISP_NO_MEMORY, "out of memory for its picture" );
-    }
-    for ( int i = 0; i < source->body_count; ++i )
+    for ( int i = 0; i < source->body_count && !memory->is_short; ++i )
     {
         const picture_body* body = &source->bodies[i];
         const int step = 1 + ( body->vertex_count - 1 ) / SIGHTS_MAX;
         for ( int v = 0; v < body->vertex_count && is_sight( body ); v += step )
         {
-            out->owner[out->count] = i;
-            out->points[out->count++] = body->points[v];
+            out.owner[out.count] = i;
+            out.points[out.count++] = body->points[v];
         }
     }
-    return WISP_OK;
-}
-
-static void free_sights( sights* s )
-{
-    free( s->points );
-    free( s->owner );
-    free( s->first );
+    return out;
 }
 
 // Numbers of the stage's meshes as bodies of the source: the stage has them in the source's order.
@@ -119,28 +109,23 @@ static void judge_all( const picture_source* source, const sights* s, int* hides
 }
 
 wisp_status picture_stage_find_glass( const picture_source* source, const render_camera* camera, picture_look* look,
-                                      wisp_error* error )
+                                      io_memory* memory, wisp_error* error )
 {
-    picture_stage stage = { 0 };
-    sights s = { .count = 0 };
-    look->is_glass = calloc( (size_t)source->body_count + 1, sizeof *look->is_glass );
-    int* hides = calloc( (size_t)source->body_count + 1, sizeof *hides );
-    wisp_status status = look->is_glass && hides
-                             ? make_sights( source, &s, error )
-                             : wisp_fail( error, WISP_NO_MEMORY, "out of memory for its picture" );
-    status = status == WISP_OK ? picture_stage_make( source, look, &stage, error ) : status;
-    if ( status == WISP_OK )
-    {
-        status = render_find_hiding( &stage.scene, camera, s.points, s.count, s.first, error );
-    }
+    picture_stage stage;
+    WISP_TRY( picture_stage_make( source, look, &stage, error ) );
+    const size_t count = (size_t)source->body_count + 1;
+    look->is_glass = io_get( memory, count * sizeof *look->is_glass );
+    int* hides = io_get( &stage.memory, count * sizeof *hides );
+    sights s = make_sights( source, &stage.memory );
+    wisp_status status = memory->is_short || stage.memory.is_short
+                             ? wisp_fail( error, WISP_NO_MEMORY, "out of memory for its picture" )
+                             : render_find_hiding( &stage.scene, camera, s.points, s.count, s.first, error );
     if ( status == WISP_OK )
     {
         name_bodies( source, &stage, &s );
         judge_all( source, &s, hides, look->is_glass );
     }
     picture_stage_release( &stage );
-    free_sights( &s );
-    free( hides );
     return status;
 }
 
@@ -168,33 +153,22 @@ bool picture_is_floor( const picture_body* body )
 
 // ---- the stage ----
 
-static void* keep( picture_stage* stage, size_t size )
-{
-    void* block = malloc( size + 1 );
-    if ( block )
-    {
-        stage->blocks[stage->block_count++] = block;
-    }
-    return block;
-}
-
-static bool colour_by_value( picture_stage* stage, const picture_look* look, const picture_body* body,
+static void colour_by_value( picture_stage* stage, const picture_look* look, const picture_body* body,
                              const wisp_vec3** colours )
 {
     if ( look->value == PICTURE_BODY || !body->values )
     {
-        return true;
+        return;
     }
-    wisp_vec3* made = keep( stage, (size_t)body->vertex_count * sizeof *made );
+    wisp_vec3* made = io_get( &stage->memory, (size_t)body->vertex_count * sizeof *made );
     if ( made )
     {
         colour_map_apply( COLOUR_MAP_RISING, body->values, body->vertex_count, look->range[0], look->range[1], made );
         *colours = made;
     }
-    return made != NULL;
 }
 
-static bool add_strands( picture_stage* stage, const picture_look* look, const picture_body* body )
+static void add_strands( picture_stage* stage, const picture_look* look, const picture_body* body )
 {
     render_curves* curves = &stage->curves[stage->scene.curves_count++];
     *curves = render_default_curves();
@@ -206,17 +180,17 @@ static bool add_strands( picture_stage* stage, const picture_look* look, const p
     curves->is_hair = true;
     if ( body->widths )
     {
-        float* radii = keep( stage, (size_t)body->vertex_count * sizeof *radii );
+        float* radii = io_get( &stage->memory, (size_t)body->vertex_count * sizeof *radii );
         for ( int v = 0; radii && v < body->vertex_count; ++v )
         {
             radii[v] = 0.5f * body->widths[v];
         }
         curves->radii = radii;
     }
-    return ( curves->radii || !body->widths ) && colour_by_value( stage, look, body, &curves->colours );
+    colour_by_value( stage, look, body, &curves->colours );
 }
 
-static bool add_body_mesh( picture_stage* stage, const picture_look* look, const picture_body* body, wisp_vec3 colour,
+static void add_body_mesh( picture_stage* stage, const picture_look* look, const picture_body* body, wisp_vec3 colour,
                            bool is_glass )
 {
     render_mesh* mesh = &stage->meshes[stage->scene.mesh_count++];
@@ -230,8 +204,10 @@ static bool add_body_mesh( picture_stage* stage, const picture_look* look, const
     mesh->material = is_glass ? RENDER_GLASS : mesh->material;
     mesh->is_faceted = body->kind == SCENE_BODY_PLANE ||
                        ( body->kind == SCENE_BODY_COLLIDER && body->triangle_count <= BOX_TRIANGLES );
-    bool is_solid = body->kind == SCENE_BODY_COLLIDER || body->kind == SCENE_BODY_PLANE;
-    return is_solid || colour_by_value( stage, look, body, &mesh->colours );
+    if ( body->kind != SCENE_BODY_COLLIDER && body->kind != SCENE_BODY_PLANE )
+    {
+        colour_by_value( stage, look, body, &mesh->colours );
+    }
 }
 
 // ---- boundary particles ----
@@ -248,10 +224,10 @@ static wisp_vec3 direction_colour( wisp_vec3 n )
     return ( wisp_vec3 ){ c.x * c.x, c.y * c.y, c.z * c.z };
 }
 
-static bool add_balls( picture_stage* stage, const picture_look* look, const picture_body* body )
+static void add_balls( picture_stage* stage, const picture_look* look, const picture_body* body )
 {
     const picture_layer* layer = &body->layer;
-    wisp_vec3* colours = keep( stage, (size_t)layer->count * sizeof *colours );
+    wisp_vec3* colours = io_get( &stage->memory, (size_t)layer->count * sizeof *colours );
     for ( int i = 0; colours && i < layer->count; ++i )
     {
         colours[i] = look->layer != PICTURE_LAYER_CLASS ? direction_colour( layer->normals[i] )
@@ -264,32 +240,22 @@ static bool add_balls( picture_stage* stage, const picture_look* look, const pic
     points->colours = colours;
     points->count = layer->count;
     points->radius = BALL_RADIUS * layer->spacing;
-    return colours != NULL;
 }
 
 // A line is a strand of two vertices.
-static bool add_normals( picture_stage* stage, const picture_body* body )
+static void add_normals( picture_stage* stage, const picture_body* body )
 {
     const picture_layer* layer = &body->layer;
-    if ( layer->count > INT32_MAX / 2 )
-    {
-        return false;
-    }
     const float length = LINE_LENGTH * layer->spacing;
-    wisp_vec3* ends = keep( stage, 2 * (size_t)layer->count * sizeof *ends );
-    int32_t* offsets = keep( stage, ( (size_t)layer->count + 1 ) * sizeof *offsets );
-    for ( int i = 0; ends && offsets && i < layer->count; ++i )
+    wisp_vec3* ends = io_get( &stage->memory, 2 * (size_t)layer->count * sizeof *ends );
+    int32_t* offsets = io_get( &stage->memory, ( (size_t)layer->count + 1 ) * sizeof *offsets );
+    for ( int i = 0; !stage->memory.is_short && i < layer->count; ++i )
     {
         const wisp_vec3 p = layer->points[i], n = layer->normals[i];
         ends[2 * i] = p;
         ends[2 * i + 1] = ( wisp_vec3 ){ p.x + length * n.x, p.y + length * n.y, p.z + length * n.z };
-        offsets[i] = 2 * i;
+        offsets[i + 1] = 2 * i + 2;
     }
-    if ( !ends || !offsets )
-    {
-        return false;
-    }
-    offsets[layer->count] = 2 * layer->count;
     render_curves* curves = &stage->curves[stage->scene.curves_count++];
     *curves = render_default_curves();
     curves->name = body->name;
@@ -297,14 +263,6 @@ static bool add_normals( picture_stage* stage, const picture_body* body )
     curves->offsets = offsets;
     curves->strand_count = layer->count;
     curves->radius = LINE_RADIUS * layer->spacing;
-    return true;
-}
-
-static bool add_layer_of_body( picture_stage* stage, const picture_look* look, const picture_body* body )
-{
-    const bool has_balls = body->layer.count > 0 && look->layer != PICTURE_LAYER_NONE;
-    const bool has_lines = body->layer.count > 0 && look->has_layer_normals;
-    return ( !has_balls || add_balls( stage, look, body ) ) && ( !has_lines || add_normals( stage, body ) );
 }
 
 // ---- all bodies ----
@@ -312,31 +270,36 @@ static bool add_layer_of_body( picture_stage* stage, const picture_look* look, c
 wisp_status picture_stage_make( const picture_source* source, const picture_look* look, picture_stage* out,
                                 wisp_error* error )
 {
-    size_t count = (size_t)source->body_count + 1;
-    *out = ( picture_stage ){
-        .scene = render_default_scene(),
-        .meshes = calloc( count, sizeof *out->meshes ),
-        .curves = calloc( count, sizeof *out->curves ),
-        .points = calloc( count, sizeof *out->points ),
-        .blocks = calloc( 4 * count, sizeof *out->blocks ),
-    };
-    bool made = out->meshes && out->curves && out->points && out->blocks;
+    const size_t count = (size_t)source->body_count + 1;
+    *out = ( picture_stage ){ .scene = render_default_scene() };
+    out->meshes = io_get( &out->memory, count * sizeof *out->meshes );
+    out->curves = io_get( &out->memory, count * sizeof *out->curves );
+    out->points = io_get( &out->memory, count * sizeof *out->points );
     int cloths = 0, balloons = 0;
-    for ( int i = 0; i < source->body_count && made; ++i )
+    for ( int i = 0; i < source->body_count && !out->memory.is_short; ++i )
     {
         const picture_body* body = &source->bodies[i];
         wisp_vec3 colour = scene_body_colour( body->kind, &cloths, &balloons );
         if ( body->kind == SCENE_BODY_STRANDS )
         {
-            made = add_strands( out, look, body );
+            add_strands( out, look, body );
+            continue;
         }
-        else if ( body->triangle_count > 0 && !picture_is_floor( body ) )
+        if ( body->triangle_count == 0 || picture_is_floor( body ) )
         {
-            const bool is_glass = look->is_glass && look->is_glass[i];
-            made = add_body_mesh( out, look, body, colour, is_glass ) && add_layer_of_body( out, look, body );
+            continue;
+        }
+        add_body_mesh( out, look, body, colour, look->is_glass && look->is_glass[i] );
+        if ( body->layer.count > 0 && look->layer != PICTURE_LAYER_NONE )
+        {
+            add_balls( out, look, body );
+        }
+        if ( body->layer.count > 0 && look->has_layer_normals )
+        {
+            add_normals( out, body );
         }
     }
-    if ( !made )
+    if ( out->memory.is_short )
     {
         picture_stage_release( out );
         return wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for its picture", source->path );
@@ -355,13 +318,6 @@ wisp_status picture_stage_make( const picture_source* source, const picture_look
 
 void picture_stage_release( picture_stage* stage )
 {
-    for ( int i = 0; i < stage->block_count; ++i )
-    {
-        free( stage->blocks[i] );
-    }
-    free( stage->blocks );
-    free( stage->curves );
-    free( stage->points );
-    free( stage->meshes );
+    io_release( &stage->memory );
     *stage = ( picture_stage ){ 0 };
 }

@@ -1,6 +1,7 @@
 /// The bodies of a loaded frame in the form of the renderer: materials, colours, ground.
 #pragma once
 
+#include "io_file.h"
 #include "picture_draw.h"
 
 /// Data that are constant from picture to picture.
@@ -25,8 +26,7 @@ typedef struct picture_stage
     render_mesh* meshes;
     render_curves* curves;
     render_points* points;
-    void** blocks; ///< [block_count] colours and radii
-    int block_count;
+    io_memory memory; ///< of all these, of colours and radii
 } picture_stage;
 
 /// @param out points into the source, whose frame must stay loaded
@@ -35,10 +35,11 @@ wisp_status picture_stage_make( const picture_source* source, const picture_look
 void picture_stage_release( picture_stage* stage );
 
 /// Find the colliders that hide a surface of the loaded frame, so that they are drawn as glass.
-/// @param look gets `is_glass`, which free() releases
+/// @param look gets `is_glass`
+/// @param memory receives it
 /// @return WISP_NO_MEMORY; otherwise as render_find_hiding()
 wisp_status picture_stage_find_glass( const picture_source* source, const render_camera* camera, picture_look* look,
-                                      wisp_error* error );
+                                      io_memory* memory, wisp_error* error );
 
 /// Whether a body is a level infinite plane, which is drawn as the ground.
 bool picture_is_floor( const picture_body* body );

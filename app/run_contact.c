@@ -27,7 +27,12 @@ typedef struct sample
     wisp_contact_stats contact;
 } sample;
 
-struct run_layers
+static wisp_status no_contact_memory( wisp_error* error )
+{
+    return wisp_fail( error, WISP_NO_MEMORY, "run: out of memory for statistics of contact" );
+}
+
+typedef struct run_layers
 {
     scene_world* world;
     const char* file;
@@ -37,7 +42,7 @@ struct run_layers
 
     sample* samples; ///< [sample_count] of steps that get a row
     int sample_count;
-    int stride; ///< steps between two of them
+    int stride; ///< steps between two of them; 0: there is nothing to report or to write
     sample last;
 
     // Over all steps.
@@ -50,12 +55,7 @@ struct run_layers
     char* path;                  ///< room for the longest name
     size_t path_room;
     int written;
-};
-
-static wisp_status no_memory_for_layers( const run_layers* l, wisp_error* error )
-{
-    return wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for layer statistics", l->world->scene->name );
-}
+} run_layers;
 
 // ---- opening ----
 
@@ -70,91 +70,51 @@ static int count_layers( const wisp_scene* scene )
 }
 
 /// Allocate the arrays and the file name, and request what the file holds.
-static wisp_status prepare_files( run_layers* l, wisp_error* error )
+static wisp_status prepare_files( run_layers* l, io_memory* memory, wisp_error* error )
 {
     const wisp_scene* scene = l->world->scene;
     int most = 0;
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < scene->surface_count && status == WISP_OK; ++i )
+    for ( int i = 0; i < scene->surface_count; ++i )
     {
         const int body = scene->strands_count + i;
         const int count = scene->surfaces[i].has_boundary ? scene_world_body( l->world, body ).vertex_count : 0;
         most = count > most ? count : most;
-        status = count > 0 ? scene_world_request( l->world, body, SCENE_REQUEST_POINTS, error ) : WISP_OK;
-        status = status == WISP_OK && count > 0 ? scene_world_request( l->world, body, SCENE_REQUEST_NORMALS, error )
-                                                : status;
+        WISP_TRY( count > 0 ? scene_world_request( l->world, body, SCENE_REQUEST_POINTS, error ) : WISP_OK );
+        WISP_TRY( count > 0 ? scene_world_request( l->world, body, SCENE_REQUEST_NORMALS, error ) : WISP_OK );
     }
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
-    l->points = malloc( (size_t)most * sizeof *l->points + 1 );
-    l->normals = malloc( (size_t)most * sizeof *l->normals + 1 );
+    l->points = io_get( memory, (size_t)most * sizeof *l->points );
+    l->normals = io_get( memory, (size_t)most * sizeof *l->normals );
     l->path_room = strlen( l->file ) + WISP_SCENE_MAX_NAME + NUMBER_ROOM;
-    l->path = malloc( l->path_room );
-    return l->points && l->normals && l->path ? WISP_OK : no_memory_for_layers( l, error );
+    l->path = io_get( memory, l->path_room );
+    return WISP_OK;
 }
 
-static wisp_status prepare( run_layers* l, int steps, wisp_error* error )
+static wisp_status open_layers( const run_contact_def* def, scene_world* world, int steps, io_memory* memory,
+                                run_layers* l, wisp_error* error )
 {
+    const wisp_scene* scene = world->scene;
+    *l = ( run_layers ){
+        .world = world,
+        .file = def->file,
+        .every = def->every,
+        .layer_count = count_layers( scene ),
+        .has_contact = scene->request_contact_stats || scene->request_intersections,
+        .min_gap = INFINITY,
+    };
+    if ( l->layer_count == 0 && !l->has_contact && !def->file )
+    {
+        return WISP_OK;
+    }
     if ( l->file && l->layer_count == 0 )
     {
         return wisp_fail( error, WISP_BAD_INPUT,
                           "--boundary: %s has no surface with the key 'boundary', expected at least one",
-                          l->world->scene->name );
+                          scene->name );
     }
     l->stride = ( steps + ROWS_MAX - 1 ) / ROWS_MAX;
     l->stride = l->stride > 1 ? l->stride : 1;
-    l->samples = calloc( (size_t)( steps / l->stride ) + 1, sizeof *l->samples );
-    if ( !l->samples )
-    {
-        return no_memory_for_layers( l, error );
-    }
-    return l->file ? prepare_files( l, error ) : WISP_OK;
-}
-
-wisp_status run_layers_open( const run_layers_def* def, scene_world* world, int steps, run_layers** out,
-                             wisp_error* error )
-{
-    const wisp_scene* scene = world->scene;
-    const int layer_count = count_layers( scene );
-    const bool has_contact = scene->request_contact_stats || scene->request_intersections;
-    *out = NULL;
-    if ( layer_count == 0 && !has_contact && !def->file )
-    {
-        return WISP_OK;
-    }
-    run_layers* l = calloc( 1, sizeof *l );
-    if ( !l )
-    {
-        return wisp_fail( error, WISP_NO_MEMORY, "run: out of memory for layer statistics" );
-    }
-    l->world = world;
-    l->file = def->file;
-    l->every = def->every;
-    l->layer_count = layer_count;
-    l->has_contact = has_contact;
-    l->min_gap = INFINITY;
-    wisp_status status = prepare( l, steps, error );
-    if ( status != WISP_OK )
-    {
-        run_layers_close( l );
-        return status;
-    }
-    *out = l;
-    return WISP_OK;
-}
-
-void run_layers_close( run_layers* l )
-{
-    if ( l )
-    {
-        free( l->samples );
-        free( l->points );
-        free( l->normals );
-        free( l->path );
-        free( l );
-    }
+    l->samples = io_get( memory, ( (size_t)( steps / l->stride ) + 1 ) * sizeof *l->samples );
+    return l->file ? prepare_files( l, memory, error ) : WISP_OK;
 }
 
 // ---- files ----
@@ -231,22 +191,21 @@ static void add_contact( run_layers* l, sample* s )
     }
 }
 
-wisp_status run_layers_step( run_layers* l, wisp_error* error )
+static wisp_status step_layers( run_layers* l, wisp_error* error )
 {
-    if ( !l )
-    {
-        return WISP_OK;
-    }
     const wisp_scene* scene = l->world->scene;
     const int step = l->world->next_step;
     sample s = { .step = step };
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < scene->surface_count && status == WISP_OK; ++i )
+    if ( l->stride == 0 )
     {
-        status = scene->surfaces[i].has_boundary ? add_layer( l, i, &s, error ) : WISP_OK;
-        if ( status == WISP_OK && scene->surfaces[i].has_boundary && l->file && step % l->every == 0 )
+        return WISP_OK;
+    }
+    for ( int i = 0; i < scene->surface_count; ++i )
+    {
+        WISP_TRY( scene->surfaces[i].has_boundary ? add_layer( l, i, &s, error ) : WISP_OK );
+        if ( scene->surfaces[i].has_boundary && l->file && step % l->every == 0 )
         {
-            status = write_layer( l, i, error );
+            WISP_TRY( write_layer( l, i, error ) );
         }
     }
     add_contact( l, &s );
@@ -257,7 +216,7 @@ wisp_status run_layers_step( run_layers* l, wisp_error* error )
     {
         l->samples[l->sample_count++] = s;
     }
-    return status;
+    return WISP_OK;
 }
 
 // ---- the summary ----
@@ -293,13 +252,13 @@ static void put_sample( const run_layers* l, const sample* s, results_values* va
     }
 }
 
-void run_layers_put( const run_layers* l, results_values* values )
+static void put_layers( const run_layers* l, results_values* values )
 {
-    if ( l && l->last.step > 0 )
+    if ( l->last.step > 0 )
     {
         put_sample( l, &l->last, values );
     }
-    if ( l && l->elements > 0 )
+    if ( l->elements > 0 )
     {
         results_put( values, "boundary_changed_fraction_of_run", fraction_of( l->changed, l->elements ) );
     }
@@ -356,9 +315,9 @@ static void tell_contact( const run_layers* l, results* out )
                             f->net_impulse[2] * f->net_impulse[2] ) );
 }
 
-void run_layers_report( const run_layers* l, results* out )
+static void report_layers( const run_layers* l, results* out )
 {
-    if ( !l || l->last.step == 0 )
+    if ( l->last.step == 0 )
     {
         return;
     }
@@ -414,7 +373,7 @@ typedef struct reaction_record
     int step;          ///< of the largest, counted from 1; 0: there was none
 } reaction_record;
 
-struct run_collision
+typedef struct run_collision
 {
     scene_world* world;
     body_record* bodies; ///< [count]
@@ -422,7 +381,7 @@ struct run_collision
     reaction_record* reactions; ///< [reaction_count]
     int reaction_count;
     double seconds; ///< that were simulated
-};
+} run_collision;
 
 // ---- reading ----
 
@@ -432,40 +391,28 @@ static bool has_contacts( const wisp_scene* scene, int body )
                                        : scene->surfaces[body - scene->strands_count].request_contacts;
 }
 
-wisp_status run_collision_open( scene_world* world, run_collision** out, wisp_error* error )
+static void open_collision( scene_world* world, io_memory* memory, run_collision* c )
 {
-    *out = NULL;
     const int body_count = scene_world_moving_count( world ), collider_count = world->scene->collider_count;
-    run_collision* c = calloc( 1, sizeof *c );
-    body_record* bodies = calloc( (size_t)body_count + 1, sizeof *bodies );
-    reaction_record* reactions = calloc( (size_t)collider_count + 1, sizeof *reactions );
-    int count = 0, reaction_count = 0;
-    for ( int i = 0; i < collider_count && reactions != NULL; ++i )
+    *c = ( run_collision ){
+        .world = world,
+        .bodies = io_get( memory, (size_t)body_count * sizeof *c->bodies ),
+        .reactions = io_get( memory, (size_t)collider_count * sizeof *c->reactions ),
+    };
+    for ( int i = 0; i < collider_count && !memory->is_short; ++i )
     {
         if ( world->scene->colliders[i].request_reaction )
         {
-            reactions[reaction_count++] = ( reaction_record ){ .collider = i };
+            c->reactions[c->reaction_count++].collider = i;
         }
     }
-    for ( int body = 0; body < body_count && bodies != NULL; ++body )
+    for ( int body = 0; body < body_count && !memory->is_short; ++body )
     {
         if ( has_contacts( world->scene, body ) )
         {
-            bodies[count++] = ( body_record ){ .body = body };
+            c->bodies[c->count++].body = body;
         }
     }
-    if ( c == NULL || bodies == NULL || reactions == NULL || count + reaction_count == 0 )
-    {
-        const bool is_refused = c == NULL || bodies == NULL || reactions == NULL;
-        free( c );
-        free( bodies );
-        free( reactions );
-        return is_refused ? wisp_fail( error, WISP_NO_MEMORY, "run: out of memory for collision statistics" )
-                          : WISP_OK;
-    }
-    *c = ( run_collision ){ world, bodies, count, reactions, reaction_count, 0.0 };
-    *out = c;
-    return WISP_OK;
 }
 
 static wisp_status add_reactions( run_collision* c, wisp_error* error )
@@ -494,44 +441,32 @@ static wisp_status add_reactions( run_collision* c, wisp_error* error )
     return WISP_OK;
 }
 
-wisp_status run_collision_step( run_collision* collision, wisp_error* error )
+static wisp_status step_collision( run_collision* c, wisp_error* error )
 {
-    wisp_status status = WISP_OK;
-    for ( int i = 0; collision != NULL && i < collision->count && status == WISP_OK; ++i )
+    for ( int i = 0; i < c->count; ++i )
     {
-        body_record* b = &collision->bodies[i];
-        status = scene_world_collision_stats( collision->world, b->body, &b->last, error );
-        if ( status == WISP_OK && b->last.vertex >= 0 &&
-             ( b->step == 0 || b->last.penetration > b->deepest.penetration ) )
+        body_record* b = &c->bodies[i];
+        WISP_TRY( scene_world_collision_stats( c->world, b->body, &b->last, error ) );
+        if ( b->last.vertex >= 0 && ( b->step == 0 || b->last.penetration > b->deepest.penetration ) )
         {
             b->deepest = b->last;
-            b->step = collision->world->next_step;
+            b->step = c->world->next_step;
         }
     }
-    return status == WISP_OK && collision != NULL ? add_reactions( collision, error ) : status;
-}
-
-void run_collision_close( run_collision* collision )
-{
-    if ( collision != NULL )
-    {
-        free( collision->bodies );
-        free( collision->reactions );
-        free( collision );
-    }
+    return add_reactions( c, error );
 }
 
 // ---- the summary ----
 
-void run_collision_put( const run_collision* collision, results_values* values )
+static void put_collision( const run_collision* c, results_values* values )
 {
     float deepest = 0.0f;
-    for ( int i = 0; collision != NULL && i < collision->count; ++i )
+    for ( int i = 0; i < c->count; ++i )
     {
-        const body_record* b = &collision->bodies[i];
+        const body_record* b = &c->bodies[i];
         deepest = b->step > 0 && b->deepest.penetration > deepest ? b->deepest.penetration : deepest;
     }
-    if ( collision != NULL && collision->count > 0 )
+    if ( c->count > 0 )
     {
         results_put( values, "collision_penetration", (double)deepest );
     }
@@ -575,13 +510,13 @@ static void report_reactions( const run_collision* c, results* out )
     }
 }
 
-void run_collision_report( const run_collision* collision, results* out )
+static void report_collision( const run_collision* collision, results* out )
 {
-    if ( collision != NULL && collision->reaction_count > 0 )
+    if ( collision->reaction_count > 0 )
     {
         report_reactions( collision, out );
     }
-    if ( collision == NULL || collision->count == 0 )
+    if ( collision->count == 0 )
     {
         return;
     }
@@ -612,41 +547,16 @@ typedef struct tally
     int last, last_at; ///< of the last step that ended with any, and that step
 } tally;
 
-struct run_intersections
+typedef struct run_intersections
 {
     scene_world* world;
     tally all;
     tally* pairs; ///< [pair_count] that ever intersected, in the order of that
     int pair_count, pair_room;
     int steps; ///< that were counted
-};
+} run_intersections;
 
 // ---- reading ----
-
-wisp_status run_intersections_open( scene_world* world, run_intersections** out, wisp_error* error )
-{
-    *out = NULL;
-    if ( !world->scene->request_intersections )
-    {
-        return WISP_OK;
-    }
-    *out = calloc( 1, sizeof **out );
-    if ( *out == NULL )
-    {
-        return wisp_fail( error, WISP_NO_MEMORY, "run: out of memory for intersections" );
-    }
-    ( *out )->world = world;
-    return WISP_OK;
-}
-
-void run_intersections_close( run_intersections* intersections )
-{
-    if ( intersections != NULL )
-    {
-        free( intersections->pairs );
-        free( intersections );
-    }
-}
 
 static bool takes_part( const wisp_scene* scene, int body )
 {
@@ -703,18 +613,19 @@ static wisp_status add_pair( run_intersections* x, int first, int second, int* l
     tally* pair = find_tally( x, first, second );
     if ( pair == NULL )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "run: out of memory for intersections" );
+        return no_contact_memory( error );
     }
     add_count( pair, count, x->world->next_step );
     *left -= count;
     return WISP_OK;
 }
 
-wisp_status run_intersections_step( run_intersections* x, wisp_error* error )
+static wisp_status step_intersections( run_intersections* x, wisp_error* error )
 {
     wisp_contact_stats stats;
     // Without participants there are no statistics. The notes on contact say so.
-    if ( x == NULL || wisp_read_contact_stats( x->world->world, &stats ) != WISP_OK || stats.intersections < 0 )
+    if ( !x->world->scene->request_intersections || wisp_read_contact_stats( x->world->world, &stats ) != WISP_OK ||
+         stats.intersections < 0 )
     {
         return WISP_OK;
     }
@@ -743,18 +654,89 @@ static int last_of( const run_intersections* x, const tally* t )
     return t->last_at == x->world->next_step ? t->last : 0;
 }
 
-void run_intersections_put( const run_intersections* x, results_values* values )
+static void put_intersections( const run_intersections* x, results_values* values )
 {
-    if ( x != NULL && x->steps > 0 )
+    if ( x->steps > 0 )
     {
         results_put( values, "max_intersections", x->all.most );
         results_put( values, "steps_with_intersections", x->all.steps );
     }
 }
 
-void run_intersections_describe( const run_intersections* x, char* out, size_t size )
+static void report_intersections( const run_intersections* x, results* out )
 {
-    if ( x == NULL || x->steps == 0 )
+    if ( x->pair_count == 0 )
+    {
+        return;
+    }
+    const int table = results_begin_table( out, "Intersections: edges through triangles at the end of a step",
+                                           "of\twith\tsteps\tmost\tin step\tat the end" );
+    for ( int i = 0; i < x->pair_count; ++i )
+    {
+        const tally* t = &x->pairs[i];
+        results_add_line( out, table, "%s\t%s\t%d\t%d\t%d\t%d", scene_world_body( x->world, t->first ).name,
+                          t->first == t->second ? "itself" : scene_world_body( x->world, t->second ).name, t->steps,
+                          t->most, t->most_at, last_of( x, t ) );
+    }
+}
+
+// ---- all of them ----
+
+struct run_contact
+{
+    run_layers layers;
+    run_collision collision;
+    run_intersections intersections;
+    io_memory memory;
+};
+
+wisp_status run_contact_open( const run_contact_def* def, scene_world* world, int steps, run_contact** out,
+                              wisp_error* error )
+{
+    run_contact* c = calloc( 1, sizeof *c );
+    *out = NULL;
+    WISP_TRY( c ? WISP_OK : no_contact_memory( error ) );
+    wisp_status status = open_layers( def, world, steps, &c->memory, &c->layers, error );
+    open_collision( world, &c->memory, &c->collision );
+    c->intersections.world = world;
+    status = status == WISP_OK && c->memory.is_short ? no_contact_memory( error ) : status;
+    if ( status != WISP_OK )
+    {
+        run_contact_close( c );
+        return status;
+    }
+    *out = c;
+    return WISP_OK;
+}
+
+void run_contact_close( run_contact* c )
+{
+    if ( c )
+    {
+        io_release( &c->memory );
+        free( c->intersections.pairs );
+        free( c );
+    }
+}
+
+wisp_status run_contact_step( run_contact* c, wisp_error* error )
+{
+    WISP_TRY( step_layers( &c->layers, error ) );
+    WISP_TRY( step_collision( &c->collision, error ) );
+    return step_intersections( &c->intersections, error );
+}
+
+void run_contact_put( const run_contact* c, results_values* values )
+{
+    put_layers( &c->layers, values );
+    put_collision( &c->collision, values );
+    put_intersections( &c->intersections, values );
+}
+
+void run_contact_describe( const run_contact* c, char* out, size_t size )
+{
+    const run_intersections* x = &c->intersections;
+    if ( x->steps == 0 )
     {
         snprintf( out, size, "%s", "" );
     }
@@ -769,19 +751,13 @@ void run_intersections_describe( const run_intersections* x, char* out, size_t s
     }
 }
 
-void run_intersections_report( const run_intersections* x, results* out )
+void run_contact_report( const run_contact* c, results* out )
 {
-    if ( x == NULL || x->pair_count == 0 )
-    {
-        return;
-    }
-    const int table = results_begin_table( out, "Intersections: edges through triangles at the end of a step",
-                                           "of\twith\tsteps\tmost\tin step\tat the end" );
-    for ( int i = 0; i < x->pair_count; ++i )
-    {
-        const tally* t = &x->pairs[i];
-        results_add_line( out, table, "%s\t%s\t%d\t%d\t%d\t%d", scene_world_body( x->world, t->first ).name,
-                          t->first == t->second ? "itself" : scene_world_body( x->world, t->second ).name, t->steps,
-                          t->most, t->most_at, last_of( x, t ) );
-    }
+    report_collision( &c->collision, out );
+    report_intersections( &c->intersections, out );
+}
+
+void run_contact_report_steps( const run_contact* c, results* out )
+{
+    report_layers( &c->layers, out );
 }

@@ -1,5 +1,6 @@
 #include "run_recorder.h"
 
+#include "io_file.h"
 #include "nearest.h"
 #include "world_from_scene.h"
 
@@ -19,8 +20,6 @@ static const scene_request value_requests[RUN_VALUE_COUNT] = { SCENE_REQUEST_STR
 /// Arrays that the entry of a body points to.
 typedef struct run_body_data
 {
-    float* widths;
-    wisp_vec3* colours;
     wisp_record_value values[RUN_VALUE_COUNT];
     float* numbers[RUN_VALUE_COUNT]; ///< of the values, in their order
     int requests[RUN_VALUE_COUNT];   ///< which values they are
@@ -33,7 +32,8 @@ typedef struct run_bodies
     int* numbers;           // [count] of the bodies in the world
     wisp_record_body* list; // [count]
     wisp_vec3** points;     // [count] of the present step
-    struct run_body_data* data;
+    run_body_data* data;
+    io_memory memory; // all of these
 } run_bodies;
 
 static wisp_status no_memory( const scene_world* world, wisp_error* error )
@@ -43,29 +43,13 @@ static wisp_status no_memory( const scene_world* world, wisp_error* error )
 
 // ---- points ----
 
-static void free_points( const run_bodies* bodies, wisp_vec3** points )
+// Room for the points of all bodies, unless its memory is short.
+static wisp_vec3** make_points( run_bodies* bodies )
 {
+    wisp_vec3** points = io_get( &bodies->memory, ( (size_t)bodies->count + 1 ) * sizeof *points );
     for ( int i = 0; points && i < bodies->count; ++i )
     {
-        free( points[i] );
-    }
-    free( points );
-}
-
-// Allocate room for the points of all bodies. @return null without memory
-static wisp_vec3** make_points( const run_bodies* bodies )
-{
-    wisp_vec3** points = calloc( (size_t)bodies->count + 1, sizeof *points );
-    bool made = points != NULL;
-    for ( int i = 0; made && i < bodies->count; ++i )
-    {
-        points[i] = malloc( ( (size_t)bodies->list[i].vertex_count + 1 ) * sizeof *points[i] );
-        made = points[i] != NULL;
-    }
-    if ( !made )
-    {
-        free_points( bodies, points );
-        return NULL;
+        points[i] = io_get( &bodies->memory, ( (size_t)bodies->list[i].vertex_count + 1 ) * sizeof *points[i] );
     }
     return points;
 }
@@ -83,36 +67,28 @@ static wisp_status request_points( scene_world* world, wisp_error* error )
 // ---- appearance ----
 
 // An appearance replaces the widths and colours of the groom.
-static bool dress_strands( const scene_world* world, int strands, const scene_body* body, run_body_data* data )
+static void dress_strands( const scene_world* world, int strands, const scene_body* body, io_memory* memory,
+                           wisp_record_body* to )
 {
     const wisp_scene_strands* entry = &world->scene->strands[strands];
     const wisp_groom* groom = &world->grooms[strands];
     const size_t count = (size_t)body->vertex_count;
-    data->widths = entry->has_appearance || groom->thickness ? malloc( count * sizeof *data->widths + 1 ) : NULL;
-    data->colours = entry->has_appearance || groom->colour ? malloc( count * sizeof *data->colours + 1 ) : NULL;
-    if ( ( !data->widths && ( entry->has_appearance || groom->thickness ) ) ||
-         ( !data->colours && ( entry->has_appearance || groom->colour ) ) )
-    {
-        return false;
-    }
-    if ( !entry->has_appearance && groom->thickness )
-    {
-        memcpy( data->widths, groom->thickness, count * sizeof *data->widths );
-    }
-    if ( !entry->has_appearance && groom->colour )
-    {
-        memcpy( data->colours, groom->colour, count * sizeof *data->colours );
-    }
-    for ( int s = 0; entry->has_appearance && s < body->strand_count; ++s )
+    const bool is_new = entry->has_appearance;
+    float* widths = is_new ? io_get( memory, count * sizeof *widths )
+                           : io_copy( memory, groom->thickness, count * sizeof *widths );
+    wisp_vec3* colours = is_new ? io_get( memory, count * sizeof *colours )
+                                : io_copy( memory, groom->colour, count * sizeof *colours );
+    for ( int s = 0; is_new && !memory->is_short && s < body->strand_count; ++s )
     {
         const int first = body->offsets[s], vertices = body->offsets[s + 1] - first;
         for ( int v = 0; v < vertices; ++v )
         {
             const float t = vertices > 1 ? (float)v / (float)( vertices - 1 ) : 0.0f;
-            wisp_strand_appearance_at( &entry->appearance, t, &data->widths[first + v], &data->colours[first + v] );
+            wisp_strand_appearance_at( &entry->appearance, t, &widths[first + v], &colours[first + v] );
         }
     }
-    return true;
+    to->widths = widths;
+    to->colours = colours;
 }
 
 // ---- values ----
@@ -129,12 +105,11 @@ static bool scene_computes( const scene_world* world, int body, scene_request re
     return request == SCENE_REQUEST_STRAIN ? entry->request_strain : entry->request_speed;
 }
 
-static wisp_status add_values( scene_world* world, int body, unsigned asked, wisp_record_body* to,
+static wisp_status add_values( scene_world* world, int body, unsigned asked, io_memory* memory, wisp_record_body* to,
                                run_body_data* data, wisp_error* error )
 {
-    wisp_status status = WISP_OK;
     to->values = data->values;
-    for ( int k = 0; k < RUN_VALUE_COUNT && status == WISP_OK; ++k )
+    for ( int k = 0; k < RUN_VALUE_COUNT; ++k )
     {
         const bool is_asked = ( asked >> k & 1 ) != 0;
         if ( !scene_world_has( world, body, value_requests[k] ) ||
@@ -142,15 +117,14 @@ static wisp_status add_values( scene_world* world, int body, unsigned asked, wis
         {
             continue;
         }
-        status = is_asked ? scene_world_request( world, body, value_requests[k], error ) : WISP_OK;
-        float* numbers = calloc( (size_t)to->vertex_count + 1, sizeof *numbers );
-        status = status == WISP_OK && !numbers ? no_memory( world, error ) : status;
+        WISP_TRY( is_asked ? scene_world_request( world, body, value_requests[k], error ) : WISP_OK );
+        float* numbers = io_get( memory, ( (size_t)to->vertex_count + 1 ) * sizeof *numbers );
         data->numbers[to->value_count] = numbers;
         data->requests[to->value_count] = k;
         data->values[to->value_count] = ( wisp_record_value ){ run_value_names[k], numbers };
         ++to->value_count;
     }
-    return status;
+    return WISP_OK;
 }
 
 // Something that is asked for and exists nowhere is a mistake.
@@ -196,19 +170,6 @@ static bool is_static( const scene_world* world, int body )
     return collider >= 0 && world->scene->colliders[collider].path.count == 0;
 }
 
-static wisp_status add_appearance( const scene_world* world, int number, const scene_body* body, wisp_record_body* to,
-                                   run_body_data* data, wisp_error* error )
-{
-    to->is_static = is_static( world, number );
-    if ( body->kind == SCENE_BODY_STRANDS && !dress_strands( world, number, body, data ) )
-    {
-        return no_memory( world, error );
-    }
-    to->widths = data->widths;
-    to->colours = data->colours;
-    return WISP_OK;
-}
-
 static wisp_status list_bodies( scene_world* world, bool has_values, unsigned asked, run_bodies* out,
                                 wisp_error* error )
 {
@@ -225,10 +186,14 @@ static wisp_status list_bodies( scene_world* world, bool has_values, unsigned as
         *to = entry_of( &body, scene_body_colour( drawn, &cloths, &balloons ) );
         out->numbers[out->count] = i;
         run_body_data* data = &out->data[out->count++];
-        WISP_TRY( add_appearance( world, i, &body, to, data, error ) );
+        to->is_static = is_static( world, i );
+        if ( body.kind == SCENE_BODY_STRANDS )
+        {
+            dress_strands( world, i, &body, &out->memory, to );
+        }
         if ( has_values && i < scene_world_moving_count( world ) )
         {
-            WISP_TRY( add_values( world, i, asked, to, data, error ) );
+            WISP_TRY( add_values( world, i, asked, &out->memory, to, data, error ) );
         }
     }
     return WISP_OK;
@@ -238,60 +203,37 @@ static wisp_status list_bodies( scene_world* world, bool has_values, unsigned as
 // are asked for, which are requested too. Call before the first step.
 // @param has_values the recording holds values; false: they are left out
 // @param asked set of RUN_VALUE_..; each must exist in one body at least
-// @param out to be released, after a failure too
+// @param out zero; its memory is to be released, after a failure too
 // @return WISP_BAD_INPUT no body has the value that is asked for; WISP_NO_MEMORY
 static wisp_status open_bodies( scene_world* world, bool has_values, unsigned asked, run_bodies* out,
                                 wisp_error* error )
 {
-    const size_t all = (size_t)scene_world_body_count( world );
-    *out = ( run_bodies ){ 0 };
-    out->numbers = calloc( all + 1, sizeof *out->numbers );
-    out->list = calloc( all + 1, sizeof *out->list );
-    out->data = calloc( all + 1, sizeof *out->data );
-    if ( !out->numbers || !out->list || !out->data )
-    {
-        return no_memory( world, error );
-    }
+    const size_t room = (size_t)scene_world_body_count( world ) + 1;
+    out->numbers = io_get( &out->memory, room * sizeof *out->numbers );
+    out->list = io_get( &out->memory, room * sizeof *out->list );
+    out->data = io_get( &out->memory, room * sizeof *out->data );
+    WISP_TRY( out->memory.is_short ? no_memory( world, error ) : WISP_OK );
     WISP_TRY( check_asked( world, asked, error ) );
     WISP_TRY( list_bodies( world, has_values, asked, out, error ) );
     out->points = make_points( out );
-    return out->points ? request_points( world, error ) : no_memory( world, error );
+    return out->memory.is_short ? no_memory( world, error ) : request_points( world, error );
 }
 
 // Fill the points of the present step, and the values if they are needed.
 static wisp_status load_bodies( const run_bodies* bodies, const scene_world* world, bool with_values,
                                 wisp_error* error )
 {
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < bodies->count && status == WISP_OK; ++i )
-    {
-        const run_body_data* data = &bodies->data[i];
-        status = scene_world_points( world, bodies->numbers[i], bodies->points[i], error );
-        for ( int k = 0; k < bodies->list[i].value_count && status == WISP_OK && with_values; ++k )
-        {
-            status = scene_world_numbers( world, bodies->numbers[i], value_requests[data->requests[k]],
-                                          data->numbers[k], error );
-        }
-    }
-    return status;
-}
-
-static void release_bodies( run_bodies* bodies )
-{
-    free_points( bodies, bodies->points );
     for ( int i = 0; i < bodies->count; ++i )
     {
-        free( bodies->data[i].widths );
-        free( bodies->data[i].colours );
-        for ( int k = 0; k < RUN_VALUE_COUNT; ++k )
+        const run_body_data* data = &bodies->data[i];
+        WISP_TRY( scene_world_points( world, bodies->numbers[i], bodies->points[i], error ) );
+        for ( int k = 0; k < bodies->list[i].value_count && with_values; ++k )
         {
-            free( bodies->data[i].numbers[k] );
+            WISP_TRY( scene_world_numbers( world, bodies->numbers[i], value_requests[data->requests[k]],
+                                           data->numbers[k], error ) );
         }
     }
-    free( bodies->data );
-    free( bodies->list );
-    free( bodies->numbers );
-    *bodies = ( run_bodies ){ 0 };
+    return WISP_OK;
 }
 
 // ---- between steps ----
@@ -300,45 +242,14 @@ static void release_bodies( run_bodies* bodies )
 // wisp_ghosts_between(), which pass through both steps without a corner; all other points, and what collisions and frozen hair add to
 // ghosts, move along straight lines.
 
-typedef struct run_between run_between;
-
-struct run_between
+typedef struct run_between
 {
     const run_bodies* bodies;
-    scene_world* world;
+    const scene_world* world; // its scene has frames_per_step > 1; null: frames are those of steps
     wisp_vec3** before; // of the step before the last one: ghosts as their distance to the curve, others as they are
     wisp_vec3** now;    // of the last step, the same way
     wisp_vec3** points; // of the result
-};
-
-// Null is allowed.
-static void close_between( run_between* b )
-{
-    if ( b )
-    {
-        free_points( b->bodies, b->before );
-        free_points( b->bodies, b->now );
-        free_points( b->bodies, b->points );
-        free( b );
-    }
-}
-
-// @param world must outlive it; its scene has frames_per_step > 1
-// @return null without memory
-static run_between* open_between( const run_bodies* bodies, scene_world* world )
-{
-    run_between* b = calloc( 1, sizeof *b );
-    if ( b )
-    {
-        *b = ( run_between ){ bodies, world, make_points( bodies ), make_points( bodies ), make_points( bodies ) };
-    }
-    if ( b && !( b->before && b->now && b->points ) )
-    {
-        close_between( b );
-        b = NULL;
-    }
-    return b;
-}
+} run_between;
 
 static bool is_ghosts( const run_between* b, int body )
 {
@@ -389,9 +300,8 @@ static wisp_status note_between( run_between* b, wisp_error* error )
 // @param points receives [body_count] arrays that are valid until the next call
 static wisp_status find_between( run_between* b, float fraction, const wisp_vec3* const** points, wisp_error* error )
 {
-    wisp_status status = WISP_OK;
     const float rest = 1.0f - fraction;
-    for ( int i = 0; i < b->bodies->count && status == WISP_OK; ++i )
+    for ( int i = 0; i < b->bodies->count; ++i )
     {
         const wisp_vec3 *from = b->before[i], *to = b->now[i];
         wisp_vec3* out = b->points[i];
@@ -401,15 +311,9 @@ static wisp_status find_between( run_between* b, float fraction, const wisp_vec3
             memcpy( out, to, (size_t)count * sizeof *out ); // bit for bit
             continue;
         }
-        if ( is_ghosts( b, i ) )
-        {
-            status = read_curve( b, i, fraction, out, error );
-        }
-        else
-        {
-            memset( out, 0, (size_t)count * sizeof *out );
-        }
-        for ( int v = 0; v < count && status == WISP_OK; ++v )
+        memset( out, 0, (size_t)count * sizeof *out );
+        WISP_TRY( is_ghosts( b, i ) ? read_curve( b, i, fraction, out, error ) : WISP_OK );
+        for ( int v = 0; v < count; ++v )
         {
             out[v].x += rest * from[v].x + fraction * to[v].x;
             out[v].y += rest * from[v].y + fraction * to[v].y;
@@ -417,7 +321,7 @@ static wisp_status find_between( run_between* b, float fraction, const wisp_vec3
         }
     }
     *points = (const wisp_vec3* const*)b->points;
-    return status;
+    return WISP_OK;
 }
 
 // ---- files ----
@@ -426,8 +330,8 @@ struct run_recorder
 {
     scene_world* world;
     int every;
-    int frames_per_step;     ///< 1 unless every step is recorded
-    run_between* between;    ///< null: one frame per step
+    int frames_per_step; ///< 1 unless every step is recorded
+    run_between between;
     double last_time;        ///< s, of the last frame that is a step
     wisp_recorder* recorder; ///< or null
     const char* record;      ///< its file
@@ -470,23 +374,22 @@ static int find_tracked_body( const run_recorder* r, const run_track* track )
     return -1;
 }
 
-static wisp_status refuse_name( const run_recorder* r, const run_track* track, wisp_error* error )
+static wisp_status refuse_name( run_recorder* r, const run_track* track, wisp_error* error )
 {
     char word[2 * WISP_RECORD_MAX_NAME];
     snprintf( word, sizeof( word ), "%.*s", track->name_length, track->name );
-    const char** names = calloc( (size_t)r->bodies.count + 1, sizeof *names );
+    const char** names = io_get( &r->bodies.memory, ( (size_t)r->bodies.count + 1 ) * sizeof *names );
     for ( int i = 0; names && i < r->bodies.count; ++i )
     {
         names[i] = r->bodies.list[i].name;
     }
     const char* nearest = names ? nearest_word( word, names, r->bodies.count ) : NULL;
-    free( names );
     return nearest ? wisp_fail( error, WISP_BAD_INPUT, "--track: %s has no body '%s'; did you mean '%s'?",
                                 r->world->scene->name, word, nearest )
                    : wisp_fail( error, WISP_BAD_INPUT, "--track: %s has no body '%s'", r->world->scene->name, word );
 }
 
-static wisp_status find_tracks( const run_recorder* r, const run_recorder_def* def, wisp_track_point* points,
+static wisp_status find_tracks( run_recorder* r, const run_recorder_def* def, wisp_track_point* points,
                                 wisp_error* error )
 {
     for ( int i = 0; i < def->track_count; ++i )
@@ -510,12 +413,11 @@ static wisp_status find_tracks( const run_recorder* r, const run_recorder_def* d
 static wisp_status open_track( run_recorder* r, const run_recorder_def* def, wisp_error* error )
 {
     wisp_track_point points[RUN_TRACKS_MAX];
-    wisp_status status = find_tracks( r, def, points, error );
+    WISP_TRY( find_tracks( r, def, points, error ) );
     wisp_recorder_def recorder = def_of( r, def );
     recorder.tracks = points;
     recorder.track_count = def->track_count;
-    return status == WISP_OK ? wisp_recorder_open( def->track_file, WISP_RECORD_TRACKS, &recorder, &r->track, error )
-                             : status;
+    return wisp_recorder_open( def->track_file, WISP_RECORD_TRACKS, &recorder, &r->track, error );
 }
 
 // ---- comparison ----
@@ -589,14 +491,11 @@ static wisp_status check_proof( run_recorder* r, const run_recorder_def* def, wi
 static wisp_status open_proof( run_recorder* r, const run_recorder_def* def, wisp_error* error )
 {
     r->proof_name = def->verify;
-    wisp_status status = wisp_recording_open( def->verify, &r->proof, error );
-    if ( status == WISP_OK )
-    {
-        status = check_proof( r, def, error );
-    }
+    WISP_TRY( wisp_recording_open( def->verify, &r->proof, error ) );
+    WISP_TRY( check_proof( r, def, error ) );
     // Only now: a recording that matches the scene does not need more memory than the scene.
-    r->proof_points = status == WISP_OK ? make_points( &r->bodies ) : NULL;
-    return status != WISP_OK ? status : r->proof_points ? WISP_OK : no_memory( r->world, error );
+    r->proof_points = make_points( &r->bodies );
+    return r->bodies.memory.is_short ? no_memory( r->world, error ) : WISP_OK;
 }
 
 static wisp_status compare_body( const run_recorder* r, int body, int frame, double time, wisp_error* error )
@@ -633,21 +532,21 @@ static wisp_status compare( run_recorder* r, int frame, uint64_t hash, wisp_erro
 {
     double time = 0.0;
     uint64_t old_hash = 0;
-    wisp_status status = wisp_recording_frame( r->proof, frame, r->proof_points, &time, &old_hash, error );
-    for ( int i = 0; i < r->bodies.count && status == WISP_OK; ++i )
+    WISP_TRY( wisp_recording_frame( r->proof, frame, r->proof_points, &time, &old_hash, error ) );
+    for ( int i = 0; i < r->bodies.count; ++i )
     {
-        status = compare_body( r, i, frame, time, error );
+        WISP_TRY( compare_body( r, i, frame, time, error ) );
     }
-    if ( status == WISP_OK && old_hash != 0 && old_hash != hash )
+    if ( old_hash != 0 && old_hash != hash )
     {
-        status = wisp_fail(
+        return wisp_fail(
             error, WISP_CONFLICT,
             "%s: frame %d at %g s: all points are equal, but the world differs: got hash %016llx, expected "
             "%016llx",
             r->proof_name, frame, time, (unsigned long long)hash, (unsigned long long)old_hash );
     }
-    r->verified += status == WISP_OK;
-    return status;
+    r->verified += 1;
+    return WISP_OK;
 }
 
 // ---- whole recorder ----
@@ -655,27 +554,21 @@ static wisp_status compare( run_recorder* r, int frame, uint64_t hash, wisp_erro
 static wisp_status open_all( run_recorder* r, const run_recorder_def* def, wisp_error* error )
 {
     const bool has_values = def->record && wisp_record_has_values( def->record );
-    wisp_status status = open_bodies( r->world, has_values, def->values, &r->bodies, error );
-    if ( status == WISP_OK && r->frames_per_step > 1 )
+    WISP_TRY( open_bodies( r->world, has_values, def->values, &r->bodies, error ) );
+    if ( r->frames_per_step > 1 )
     {
-        r->between = open_between( &r->bodies, r->world );
-        status = r->between ? WISP_OK : no_memory( r->world, error );
+        run_bodies* bodies = &r->bodies;
+        r->between = ( run_between ){
+            bodies, r->world, make_points( bodies ), make_points( bodies ), make_points( bodies ),
+        };
+        WISP_TRY( bodies->memory.is_short ? no_memory( r->world, error ) : WISP_OK );
     }
     // Read-only steps come first, so that a rejection leaves no file behind.
-    if ( status == WISP_OK && def->verify )
-    {
-        status = open_proof( r, def, error );
-    }
-    if ( status == WISP_OK && def->track_count > 0 )
-    {
-        status = open_track( r, def, error );
-    }
-    if ( status == WISP_OK && def->record )
-    {
-        const wisp_recorder_def recorder = def_of( r, def );
-        status = wisp_recorder_open( def->record, WISP_RECORD_BY_NAME, &recorder, &r->recorder, error );
-    }
-    return status;
+    WISP_TRY( def->verify ? open_proof( r, def, error ) : WISP_OK );
+    WISP_TRY( def->track_count > 0 ? open_track( r, def, error ) : WISP_OK );
+    const wisp_recorder_def recorder = def_of( r, def );
+    return def->record ? wisp_recorder_open( def->record, WISP_RECORD_BY_NAME, &recorder, &r->recorder, error )
+                       : WISP_OK;
 }
 
 wisp_status run_recorder_open( const run_recorder_def* def, scene_world* world, run_recorder** out,
@@ -711,28 +604,21 @@ wisp_status run_recorder_open( const run_recorder_def* def, scene_world* world, 
 static wisp_status write_points( run_recorder* r, double time, uint64_t hash, const wisp_vec3* const* points,
                                  wisp_error* error )
 {
-    wisp_status status = WISP_OK;
-    if ( r->recorder )
-    {
-        status = wisp_recorder_frame( r->recorder, time, hash, points, error );
-    }
-    if ( status == WISP_OK && r->track )
-    {
-        status = wisp_recorder_frame( r->track, time, hash, points, error );
-    }
-    r->written += status == WISP_OK;
-    return status;
+    WISP_TRY( r->recorder ? wisp_recorder_frame( r->recorder, time, hash, points, error ) : WISP_OK );
+    WISP_TRY( r->track ? wisp_recorder_frame( r->track, time, hash, points, error ) : WISP_OK );
+    r->written += 1;
+    return WISP_OK;
 }
 
 // Frames between the step before and this one have no hash, because no world was ever in their state.
 static wisp_status write_between( run_recorder* r, double time, wisp_error* error )
 {
-    WISP_TRY( note_between( r->between, error ) );
+    WISP_TRY( note_between( &r->between, error ) );
     for ( int k = 1; k < r->frames_per_step && r->world->next_step > 0; ++k )
     {
         const double fraction = (double)k / r->frames_per_step;
         const wisp_vec3* const* points = NULL;
-        WISP_TRY( find_between( r->between, (float)fraction, &points, error ) );
+        WISP_TRY( find_between( &r->between, (float)fraction, &points, error ) );
         WISP_TRY( write_points( r, r->last_time + fraction * ( time - r->last_time ), 0, points, error ) );
     }
     return WISP_OK;
@@ -741,32 +627,24 @@ static wisp_status write_between( run_recorder* r, double time, wisp_error* erro
 static wisp_status write_frame( run_recorder* r, uint64_t hash, wisp_error* error )
 {
     const double time = scene_world_time( r->world );
-    wisp_status status = r->between ? write_between( r, time, error ) : WISP_OK;
+    WISP_TRY( r->between.world ? write_between( r, time, error ) : WISP_OK );
     r->last_time = time;
-    return status == WISP_OK ? write_points( r, time, hash, (const wisp_vec3* const*)r->bodies.points, error )
-                             : status;
+    return write_points( r, time, hash, (const wisp_vec3* const*)r->bodies.points, error );
 }
 
 wisp_status run_recorder_step( run_recorder* r, wisp_error* error )
 {
-    if ( !r )
+    const int step = r ? r->world->next_step : 0;
+    const bool is_written = r && ( r->recorder || r->track ) && step % r->every == 0;
+    const bool is_compared = r && r->proof && step % r->proof_every == 0 && step / r->proof_every < r->proof_frames;
+    if ( !is_written && !is_compared )
     {
         return WISP_OK;
     }
-    int step = r->world->next_step;
-    bool is_written = ( r->recorder || r->track ) && step % r->every == 0;
-    bool is_compared = r->proof && step % r->proof_every == 0 && step / r->proof_every < r->proof_frames;
-    wisp_status status = WISP_OK;
-    if ( is_written || is_compared )
-    {
-        status = load_bodies( &r->bodies, r->world, is_written, error );
-    }
-    uint64_t hash = is_written || is_compared ? wisp_world_hash( r->world->world ) : 0;
-    if ( status == WISP_OK && is_written )
-    {
-        status = write_frame( r, hash, error );
-    }
-    return status == WISP_OK && is_compared ? compare( r, step / r->proof_every, hash, error ) : status;
+    WISP_TRY( load_bodies( &r->bodies, r->world, is_written, error ) );
+    const uint64_t hash = wisp_world_hash( r->world->world );
+    WISP_TRY( is_written ? write_frame( r, hash, error ) : WISP_OK );
+    return is_compared ? compare( r, step / r->proof_every, hash, error ) : WISP_OK;
 }
 
 // Point caches are a file of each body, .obj files one of each frame.
@@ -817,9 +695,7 @@ wisp_status run_recorder_close( run_recorder* r, wisp_error* error )
     wisp_error later = { 0 };
     wisp_status track = wisp_recorder_close( r->track, status == WISP_OK ? error : &later );
     wisp_recording_close( r->proof );
-    free_points( &r->bodies, r->proof_points );
-    close_between( r->between );
-    release_bodies( &r->bodies );
+    io_release( &r->bodies.memory );
     free( r );
     return status == WISP_OK ? track : status;
 }

@@ -421,7 +421,7 @@ static void add_head( results* out, const scene_world* world, const run_record* 
     }
     add_seams( out, table, world );
     add_tears( out, table, world );
-    run_intersections_describe( record->intersections, intersections, sizeof intersections );
+    run_contact_describe( record->contact, intersections, sizeof intersections );
     if ( intersections[0] != '\0' )
     {
         results_add_line( out, table, "intersections\t%s", intersections );
@@ -580,9 +580,7 @@ static void add_run_row( results* out, const scene_world* world, run_record* rec
     row->hash = wisp_world_hash( world->world );
     row->has_hash = true;
     put_memory( world->world, &row->size );
-    run_layers_put( record->layers, &row->size );
-    run_collision_put( record->collision, &row->size );
-    run_intersections_put( record->intersections, &row->size );
+    run_contact_put( record->contact, &row->size );
 }
 
 void run_summarise( const scene_world* world, run_record* record, const run_recorder_def* recorder,
@@ -599,8 +597,7 @@ void run_summarise( const scene_world* world, run_record* record, const run_reco
     {
         add_motion_table( world, out );
         add_detail_table( world, out );
-        run_collision_report( record->collision, out );
-        run_intersections_report( record->intersections, out );
+        run_contact_report( record->contact, out );
         if ( record->profile.pass_count > 0 )
         {
             add_pass_table( out, record );
@@ -615,5 +612,5 @@ void run_summarise( const scene_world* world, run_record* record, const run_reco
     }
     add_command_note( out, world );
     add_solver_notes( out, world );
-    run_layers_report( record->layers, out );
+    run_contact_report_steps( record->contact, out );
 }

@@ -11,13 +11,11 @@
 typedef struct run_record
 {
     profile_samples profile;
-    double* ms;                       ///< [steps]
-    int steps;                        ///< that were made
-    int all_steps;                    ///< more if the run was interrupted
-    double cpu_seconds;               ///< processor time of all steps
-    run_layers* layers;               ///< or null
-    run_collision* collision;         ///< or null
-    run_intersections* intersections; ///< or null
+    double* ms;         ///< [steps]
+    int steps;          ///< that were made
+    int all_steps;      ///< more if the run was interrupted
+    double cpu_seconds; ///< processor time of all steps
+    run_contact* contact;
 } run_record;
 
 /// Fill the results of a run that has ended. Sorts the times of the record.
