@@ -170,8 +170,8 @@ static inline void duel_remember( duel* d )
     }
 }
 
-/// Update both at these positions, rounded to floats. Vertex normals are the oracle's, rounded.
-static inline void duel_update( duel* d, const double3* x )
+/// Update both at these positions, rounded to floats. Vertex normals are the oracle's, rounded. @return of the engine
+static inline wisp_status duel_try( duel* d, const double3* x )
 {
     for ( int i = 0; i < d->mesh.vertex_count; ++i )
     {
@@ -194,5 +194,10 @@ static inline void duel_update( duel* d, const double3* x )
         memcpy( d->normal + 4 * (size_t)i, quad, sizeof( quad ) );
     }
     jobs_enter( d->pool, duel_run, d );
-    assert_int_equal( d->status, WISP_OK );
+    return d->status;
+}
+
+static inline void duel_update( duel* d, const double3* x )
+{
+    assert_int_equal( duel_try( d, x ), WISP_OK );
 }

@@ -255,6 +255,8 @@ TEST( every_point_of_every_mesh_is_where_the_oracle_has_it )
             assert_true( d->oracle.edge_point_count > 100 && inner_points( &d->oracle ) > 100 );
             assert_agree( d );
             assert_int_equal( d->samples.changed_elements, d->oracle.element_count );
+            duel_update( d, mesh.positions );
+            assert_int_equal( d->samples.changed_elements, 0 );
             if ( c == 0 )
             {
                 print_message( "%s: %d on edges, %d inside\n", MESHES[n].name, d->samples.edge_count,
@@ -430,6 +432,15 @@ TEST( a_refused_layer_follows_with_the_weights_it_had )
         {
             assert_point( d, p, place_tolerance( d ) );
         }
+        // a number of points that no memory has takes none
+        const int64_t bytes = atomic_load( &d->host.bytes );
+        for ( int n = 0; n < 2; ++n )
+        {
+            d->args.spacing = n == 0 ? 1e-6f : 1e-20f;
+            duel_update( d, x );
+            assert_true( d->samples.refused && d->samples.count == points && atomic_load( &d->host.bytes ) == bytes );
+        }
+        d->args.spacing = (float)def.spacing;
         // with enough room again it is sampled as before
         d->oracle.options.cap = 1e9;
         d->args.limit = 4000000;
@@ -464,4 +475,161 @@ TEST( normals_that_cancel_are_those_of_the_faces_or_of_the_last_step )
     assert_agree( d );
     assert_true( d->oracle.points[0].normal.z == 1.0 );
     duel_close( d );
+}
+
+// ---- counts by hand ----
+
+TEST( edges_have_the_counts_of_their_lengths )
+{
+    // of half a metre: 0.3, 1, 1.5, 2 and 3.7 spacings (section 2.1), all of them floats
+    static const double lengths[] = { 0.15625, 0.5, 0.75, 1.0, 1.84375 };
+    static const struct
+    {
+        duel_def def;
+        int points[WISP_COUNT( lengths )];
+    } cases[] = { { { .spacing = 0.5 }, { 0, 0, 0, 1, 2 } },
+                  { { .spacing = 0.5, .policy = WISP_SPACING_EXACT }, { 0, 0, 1, 1, 3 } },
+                  { { .spacing = 0.5, .rounding = WISP_ROUND_UP }, { 0, 0, 1, 1, 3 } },
+                  { { .spacing = 0.5, .rounding = WISP_ROUND_NEAREST }, { 0, 0, 1, 1, 3 } } };
+    for ( int i = 0; i < WISP_COUNT( cases ) * WISP_COUNT( lengths ); ++i )
+    {
+        const double3 points[3] = { zero, double3_make( lengths[i / 4], 0, 0 ), double3_make( 0, 0.0009765625, 0 ) };
+        SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = one_triangle( points[0], points[1], points[2] );
+        duel* d = duel_open( &mesh, &cases[i % 4].def );
+        duel_update( d, mesh.positions );
+        assert_agree( d );
+        assert_int_equal( d->args.edge_points[0], cases[i % 4].points[i / 4] );
+        duel_close( d );
+    }
+}
+
+TEST( hysteresis_keeps_counts_until_lengths_are_well_beyond )
+{
+    static const double lengths[] = { 2.125, 1.875, 1.84375, 1.75, 2.0, 2.125, 2.15625, 2.25, 1.875 };
+    static const int expected[] = { 1, 1, 1, 0, 0, 0, 0, 1, 1 };
+    const duel_def def = { .spacing = 1.0, .hysteresis = 0.1875 };
+    SCOPED( balloon_mesh_destroy )
+    balloon_mesh mesh = one_triangle( zero, double3_make( 2.125, 0, 0 ), double3_make( 1, 3, 0 ) );
+    duel* d = duel_open( &mesh, &def );
+    for ( int i = 0; i < WISP_COUNT( lengths ); ++i )
+    {
+        const double3 x[3] = { zero, double3_make( lengths[i], 0, 0 ), double3_make( 0.5 * lengths[i], 3, 0 ) };
+        duel_update( d, x );
+        assert_agree( d );
+        assert_int_equal( d->args.edge_points[0], expected[i] );
+    }
+    duel_close( d );
+}
+
+TEST( the_lowest_of_equally_short_sides_is_the_axis )
+{
+    // legs of a right triangle, rotated through its corners: lines at 1/4, 1/2 and 3/4 of the height, of 3, 2 and 1 spacings
+    static const int axis[3] = { 0, 1, 0 };
+    const double3 corner[3] = { zero, double3_make( 1, 0, 0 ), double3_make( 0, 1, 0 ) };
+    for ( int i = 0; i < 3; ++i )
+    {
+        SCOPED( balloon_mesh_destroy )
+        balloon_mesh mesh = one_triangle( corner[i], corner[( i + 1 ) % 3], corner[( i + 2 ) % 3] );
+        duel* d = duel_open( &mesh, &( duel_def ){ .spacing = 0.25 } );
+        duel_update( d, mesh.positions );
+        assert_agree( d );
+        assert_true( d->args.triangle_axis[0] == axis[i] && d->args.triangle_points[0] == 2 + 1 );
+        duel_close( d );
+    }
+}
+
+TEST( triangles_without_area_and_edges_without_length_have_no_points )
+{
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = with_degenerate_triangles();
+    duel* d = duel_open( &mesh, &( duel_def ){ .spacing = 0.0126953125 } );
+    duel_update( d, mesh.positions );
+    int without = 0;
+    for ( int t = 0; t < mesh.triangle_count; ++t )
+    {
+        const int* v = mesh.triangles + 3 * t;
+        const double3 a = double3_sub( d->x[v[1]], d->x[v[0]] ), b = double3_sub( d->x[v[2]], d->x[v[0]] );
+        const bool is_flat = double3_length( double3_cross( a, b ) ) == 0.0;
+        assert_true( is_flat == false || d->args.triangle_points[t] == 0 );
+        without += is_flat;
+    }
+    assert_true( without > 20 );
+    for ( int e = 0; e < d->args.edge_count; ++e )
+    {
+        const double length = double3_distance( d->x[d->edges[2 * e]], d->x[d->edges[2 * e + 1]] );
+        assert_true( length > 0.0 || d->args.edge_points[e] == 0 );
+    }
+    duel_close( d );
+}
+
+// ---- memory ----
+
+TEST( a_state_put_back_brings_its_points_back )
+{
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = reference_sphere();
+    double3 x[872];
+    const duel_def def = { .spacing = 0.0703125, .hysteresis = 0.375 };
+    duel *through = duel_open( &mesh, &def ), *back = duel_open( &mesh, &def );
+    const size_t edges = (size_t)through->args.edge_count * 4, triangles = (size_t)mesh.triangle_count * 4;
+    for ( int frame = 0; frame < 20; ++frame )
+    {
+        pulsate( x, &mesh, frame );
+        duel_update( through, x );
+    }
+    duel_update( back, mesh.positions ); // used memory of another layer
+    memcpy( back->args.edge_length, through->args.edge_length, edges );
+    memcpy( back->args.edge_points, through->args.edge_points, edges );
+    memcpy( back->args.triangle_extent, through->args.triangle_extent, 2 * triangles );
+    memcpy( back->args.triangle_axis, through->args.triangle_axis, triangles );
+    memcpy( back->args.triangle_points, through->args.triangle_points, triangles );
+    for ( int frame = 19; frame < 30; ++frame )
+    {
+        pulsate( x, &mesh, frame );
+        duel_update( through, x );
+        duel_update( back, x );
+        assert_same_bits( &through->samples, &back->samples );
+        assert_memory_equal( through->args.edge_length, back->args.edge_length, edges );
+        assert_memory_equal( through->args.triangle_extent, back->args.triangle_extent, 2 * triangles );
+        assert_memory_equal( through->args.edge_points, back->args.edge_points, edges );
+    }
+    duel_close( through );
+    duel_close( back );
+}
+
+TEST( without_memory_points_are_those_of_the_last_call )
+{
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = reference_sphere();
+    duel* d = duel_open( &mesh, &( duel_def ){ .spacing = 0.0703125, .workers = 1 } );
+    for ( int n = 1; n <= 2; ++n )
+    {
+        test_host_refuse( &d->host, n, true );
+        assert_int_equal( duel_try( d, mesh.positions ), WISP_NO_MEMORY );
+    }
+    test_host_refuse( &d->host, 0, false );
+    duel_update( d, mesh.positions );
+    const int count = d->samples.count, points = d->args.edge_points[3];
+    d->args.spacing = 0.015f;
+    test_host_refuse( &d->host, 1, true );
+    assert_int_equal( duel_try( d, mesh.positions ), WISP_NO_MEMORY );
+    assert_true( d->samples.count == count && d->args.edge_points[3] == points );
+    test_host_refuse( &d->host, 0, false );
+    duel_update( d, mesh.positions );
+    assert_true( d->samples.count > 4 * count );
+    duel_close( d );
+}
+
+TEST( a_layer_without_normals_has_places_alone )
+{
+    SCOPED( balloon_mesh_destroy ) balloon_mesh mesh = reference_sphere();
+    const duel_def def = { .spacing = 0.0703125 };
+    duel *with = duel_open( &mesh, &def ), *without = duel_open( &mesh, &def );
+    without->args.normal = NULL;
+    duel_update( with, mesh.positions );
+    duel_update( without, mesh.positions );
+    assert_null( without->samples.normals );
+    assert_same_rows( with->samples.xyzw, without->samples.xyzw, with->samples.count );
+    without->args.normal = without->normal;
+    duel_update( without, mesh.positions );
+    assert_same_bits( &with->samples, &without->samples );
+    duel_close( with );
+    duel_close( without );
 }

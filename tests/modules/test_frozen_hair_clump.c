@@ -1,5 +1,6 @@
 // The third stage of the engine, clump, against the double oracle: every switch, zero to twelve iterations, lists
 // that must be rebuilt, limits that must be reported (frozen_hair_shadow.h describes the tolerances).
+#include "clumping.h"
 #include "frozen_hair_shadow.h"
 
 static void say( const char* what, hair_shadow s )
@@ -266,6 +267,39 @@ TEST( a_step_of_zero_leaves_every_vertex )
     def.clump_step_length = 0.0f;
     SCOPED( free_local ) wisp_vec3* points = hair_run( NULL, &groom, &def );
     assert_true( hair_same_bits( points, groom.points, groom.vertex_count ) );
+}
+
+// Eq. 17-19, the guard: steps of many distances, of which each ends at the smallest distance, in its order.
+TEST( under_the_guard_no_pair_comes_closer_than_allowed )
+{
+    for ( int n = 0; n < 4; ++n )
+    {
+        SCOPED( hair_groom_destroy )
+        hair_groom groom = hair_groom_create( n % 2 == 0 ? HAIR_WAVY : HAIR_CURLY, 2 + n / 2, 36, 12, 0.003f );
+        SCOPED( free_local ) double3* start = hair_widen_all( groom.points, groom.vertex_count );
+        const double least = fmin( measure_clumping( start, groom.vertex_count, 12, 0.003 ).nearest_gap, 0.0006 );
+        wisp_frozen_hair_def def = hair_clump_only();
+        def.gap = WISP_GAP_NONE;
+        def.clump_step_length = 0.05f;
+        def.min_distance = 0.0006f;
+        for ( def.clump_iterations = 1; def.clump_iterations <= 12; ++def.clump_iterations )
+        {
+            SCOPED( free_local ) wisp_vec3* out = hair_run( NULL, &groom, &def );
+            SCOPED( free_local ) double3* wide = hair_widen_all( out, groom.vertex_count );
+            // an iteration may round each of the two coordinates, of up to 0.25 m, once more
+            assert_true( measure_clumping( wide, groom.vertex_count, 12, 0.003 ).nearest_gap >=
+                         least - 4.0 * HAIR_ROUNDING * 0.25 * def.clump_iterations );
+        }
+    }
+    const wisp_vec3 points[] = { { 0, 1, 0 }, { -0.0005f, 0, 0 }, { 0, 2, 0 }, { 0.0005f, 0, 0 } };
+    SCOPED( hair_groom_destroy ) hair_groom pair = hair_groom_from( 3, 2, ( const int[] ){ 2, 2 }, points );
+    wisp_frozen_hair_def def = hair_clump_only();
+    def.gap = WISP_GAP_NONE;
+    def.clump_iterations = 1;
+    def.clump_step_length = 0.05f;
+    def.min_distance = 0.0002f;
+    SCOPED( free_local ) wisp_vec3* kept = hair_run( NULL, &pair, &def );
+    hair_assert_close( (double)kept[3].x - (double)kept[1].x, 0.0002, 8.0 * HAIR_ROUNDING * 0.001 );
 }
 
 // A guard distance above every distance allows no motion.

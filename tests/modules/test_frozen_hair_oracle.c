@@ -1,6 +1,5 @@
-// The oracle of frozen hair is sound: the rotation of Eq. 11, and each printed form beside its resolution. Numbers of equations
-// are those of Kim 2026. Closed forms hold the engine in test_frozen_hair_contract*.c, and the engine is held to this oracle in
-// test_frozen_hair_stages.c and test_frozen_hair_clump.c.
+// The oracle of frozen hair is sound: closed forms, the rotation of Eq. 11, and each printed form beside its resolution. Numbers of
+// equations are those of Kim 2026. The engine is held to this oracle in test_frozen_hair_stages.c and test_frozen_hair_clump.c.
 #include "clumping.h"
 #include "oracle_support.h"
 
@@ -27,6 +26,53 @@ static double3* run( const frozen_scene* scene, const frozen_oracle_options* opt
     double3* out = new_points( scene );
     assert_int_equal( frozen_oracle_run( &scene->hair, options, NULL, out ), WISP_OK );
     return out;
+}
+
+// Eq. 3, 4 and 7. An axis that were not a unit vector perpendicular to the segment would turn it by less. Below a stiffness of one the
+// printed equation would make lengths negative.
+TEST( segments_have_the_length_and_the_angle_that_were_drawn )
+{
+    for ( int n = 0; n < 12; ++n )
+    {
+        SCOPED( frozen_scene_destroy )
+        frozen_scene scene = new_scene( (frozen_scene_shape)( n % 3 ), 2 + n / 3 % 2, 100, 20, 0.008 );
+        frozen_oracle_options options = frozen_oracle_default_options();
+        options.dimension = 2 + n / 3 % 2;
+        const double k = n < 6 ? 7.0 : 0.3;
+        double stiffness[100];
+        for ( int s = 0; s < 100; ++s )
+        {
+            stiffness[s] = k;
+        }
+        scene.hair.stretch_stiffness = scene.hair.bend_stiffness = stiffness;
+        SCOPED( free_local ) double3* out = new_points( &scene );
+        frozen_oracle_deform( &scene.hair, &options, out );
+        int at_the_floor = 0;
+        for ( int v = 0; v < scene.vertex_count; ++v )
+        {
+            if ( v % 20 > 0 )
+            {
+                const double3 rest = double3_sub( scene.hair.rest[v], scene.hair.rest[v - 1] ),
+                              now = double3_sub( out[v], out[v - 1] );
+                const double factor = 1.0 + frozen_oracle_eta( &options, v / 20, v % 20 ) / k,
+                             turn = fabs( options.theta_max / k * frozen_oracle_xi( &options, v / 20, v % 20 ) );
+                assert_close( double3_length( now ), double3_length( rest ) * fmax( factor, 0.05 ), 1e-14 );
+                assert_close( double3_angle( rest, now ), turn > pi ? 2.0 * pi - turn : turn, 1e-10 );
+                at_the_floor += factor < 0.05 ? 1 : 0;
+            }
+        }
+        assert_true( ( at_the_floor > 100 ) == ( k < 1.0 ) );
+    }
+}
+
+// Eq. 14: one at contact, and it leaves the radius smoothly
+TEST( the_adhesion_kernel_is_one_at_contact_and_none_at_the_radius )
+{
+    const double h = 0.01;
+    assert_true( frozen_oracle_kernel( 0.0, h ) == 1.0 && frozen_oracle_kernel( h, h ) == 0.0 );
+    assert_true( frozen_oracle_kernel( 1.2 * h, h ) == 0.0 );
+    assert_close( frozen_oracle_kernel( 0.5 * h, h ), 0.25, 1e-15 );
+    assert_close( frozen_oracle_kernel( 0.99 * h, h ), 1e-4, 1e-15 );
 }
 
 // Eq. 11

@@ -161,6 +161,45 @@ TEST( a_reach_of_zero_takes_only_the_strand_whose_tip_is_the_cursor )
     }
 }
 
+// Eq. 8: tip - mean of this hook is (2, -1)/3 and not (1, -1); turned onto y it is atan2( 1, 2 ) further than a quarter
+TEST( a_hook_turns_its_direction_from_its_mean_to_the_cursor )
+{
+    const wisp_vec3 hook[] = { { 0, 0, 0 }, { 0, -1, 0 }, { 1, -1, 0 } };
+    SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_from( 2, 1, &( int ){ 3 }, hook );
+    wisp_frozen_hair_def def = hair_align_only( ( wisp_vec3 ){ 0, 5, 0 } );
+    def.intensity = 1.0f;
+    SCOPED( free_local ) wisp_vec3* out = hair_run( NULL, &groom, &def );
+    const double turn = double3_angle( double3_make( 0.0, -1.0, 0.0 ), double3_widen( out[1] ) );
+    hair_assert_close( turn, 0.5 * acos( -1.0 ) + atan2( 1.0, 2.0 ), 40.0 * HAIR_ROUNDING );
+}
+
+// Eq. 11: opposite but for rounding, the cross product is noise of any direction and must not be the axis
+TEST( a_turn_from_the_rounded_opposite_ends_at_the_cursor )
+{
+    const wisp_random_key key = wisp_random_make_key( 5, 0, 0 );
+    for ( int n = 0; n < 400; ++n )
+    {
+        float c[3];
+        for ( int axis = 0; axis < 3; ++axis )
+        {
+            c[axis] = 0.2f * ( wisp_random_unit_float( key, (uint32_t)n, (uint32_t)axis, 0 ) - 0.5f );
+        }
+        const wisp_vec3 points[] = { { 0, 0, 0 }, { c[0], c[1], n % 2 == 0 ? 0.0f : c[2] } };
+        const float back = -( 0.3f + 0.01f * (float)n );
+        SCOPED( hair_groom_destroy ) hair_groom groom = hair_groom_from( 2 + n % 2, 1, &( int ){ 2 }, points );
+        wisp_frozen_hair_def def =
+            hair_align_only( ( wisp_vec3 ){ back * points[1].x, back * points[1].y, back * points[1].z } );
+        def.intensity = 1.0f;
+        SCOPED( free_local ) wisp_vec3* out = hair_run( NULL, &groom, &def );
+
+        // three rounded products are off the opposite by u each; the turn by pi has 40 u
+        const double off = double3_angle( double3_widen( out[1] ), double3_widen( def.cursor ) );
+        const double ratio = double3_length( double3_widen( out[1] ) ) / double3_length( double3_widen( points[1] ) );
+        hair_assert_close( off, 0.0, 44.0 * HAIR_ROUNDING );
+        hair_assert_close( ratio, 1.0, 40.0 * HAIR_ROUNDING );
+    }
+}
+
 // ---- degenerate strands ----
 
 TEST( strands_of_mixed_lengths_follow_the_oracle )

@@ -1,5 +1,4 @@
-// Frozen hair: cost, figures and table of Kim 2026, properties of a strand and of a command, dimensions. The
-// equations are in test_frozen_hair_contract.c and test_frozen_hair_contract_clump.c.
+// Frozen hair: cost, figures and table of Kim 2026, properties of a strand and of a command, dimensions.
 #include "clumping.h"
 #include "frozen_hair_engine_fixture.h"
 
