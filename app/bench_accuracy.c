@@ -1,12 +1,11 @@
 #include "bench_commands.h"
 
 #include "accuracy/accuracy.h"
-#include "interruption.h"
 #include "io_file.h"
-#include "progress.h"
 #include "report.h"
 #include "suite.h"
 #include "validate/validate.h"
+#include "wisp/module/definition.h"
 #include "wisp/wisp.h"
 
 #include <limits.h>
@@ -72,14 +71,29 @@ static void check_accuracy_options( const options_state* o )
 static wisp_status run_suite( accuracy_arguments* a, const char* text, results* out, wisp_error* error )
 {
     wisp_suite suite;
-    progress bar = progress_begin();
-    a->options.progress = bench_show_progress;
-    a->options.progress_user = &bar;
     wisp_status status = suite_parse( text, strlen( text ), a->scene, NULL, &suite, error );
     status = status == WISP_OK ? suite_bench_rows( &suite, &a->options, out, error ) : status;
-    progress_end( &bar );
     suite_release( &suite );
-    return bench_keep_interrupted( out, status );
+    return status;
+}
+
+static wisp_status run_accuracy( void* user, results* out, report_run* page, wisp_error* error )
+{
+    accuracy_arguments* a = user;
+    out->is_result_first = true;
+    // A suite that is kept may be in another folder than the scene; one that is not is as if it were beside it.
+    char absolute[PATH_MAX];
+    const char* file = a->suite == NULL                 ? io_file_name( a->scene )
+                       : realpath( a->scene, absolute ) ? absolute
+                                                        : a->scene;
+    const suite_of_scene_def def = { .path = a->scene, .file = file, .length = a->length };
+    char* text = NULL;
+    WISP_TRY( suite_of_scene( &def, &text, error ) );
+    *page = ( report_run ){ .what = a->suite ? NULL : io_input_name( a->scene ), .how = "wisp accuracy" };
+    const wisp_status status =
+        a->suite ? io_file_write( a->suite, text, strlen( text ), error ) : run_suite( a, text, out, error );
+    free( text );
+    return status;
 }
 
 int command_accuracy( int argc, char** argv )
@@ -87,32 +101,7 @@ int command_accuracy( int argc, char** argv )
     accuracy_arguments a = { .options = bench_default_options() };
     a.options.seconds = 30.0;
     options_parse( &accuracy_text, check_accuracy_options, &a, argc, argv );
-    interruption_begin();
-    results out = { .is_result_first = true };
-    results_put_options( &out, argc, argv );
-    wisp_error error = { 0 };
-    // A suite that is kept may be in another folder than the scene; one that is not is as if it were beside it.
-    char absolute[PATH_MAX];
-    const char* file = a.suite == NULL ? io_file_name( a.scene ) : realpath( a.scene, absolute ) ? absolute : a.scene;
-    const suite_of_scene_def def = { .path = a.scene, .file = file, .length = a.length };
-    char* text = NULL;
-    wisp_status status = bench_describe_machine( &out.machine, &error );
-    status = status == WISP_OK ? bench_check_files( &a.files, &error ) : status;
-    status = status == WISP_OK ? suite_of_scene( &def, &text, &error ) : status;
-    if ( status == WISP_OK && a.suite )
-    {
-        status = io_file_write( a.suite, text, strlen( text ), &error );
-    }
-    else if ( status == WISP_OK )
-    {
-        status = run_suite( &a, text, &out, &error );
-        const report_run page = { .what = io_input_name( a.scene ), .how = "wisp accuracy" };
-        status = status == WISP_OK ? bench_write_files( &a.files, &page, &out, &error ) : status;
-    }
-    const bool failed = out.failed;
-    results_free( &out );
-    free( text );
-    return status != WISP_OK ? command_fail( &error ) : interruption_status( failed ? STATUS_UNMET : STATUS_GOOD );
+    return bench_measure( &a.options, &a.files, run_accuracy, &a, NULL, argc, argv );
 }
 
 // ---- `wisp validate` ----
@@ -130,6 +119,7 @@ typedef struct validate_arguments
     bench_files files;
     uint64_t chosen;
     bool only_list;
+    char summary[600]; ///< of the page
 } validate_arguments;
 
 static int list_names( const char* names[MAX_CASES] )
@@ -193,36 +183,18 @@ static int list_validations( void )
     return STATUS_GOOD;
 }
 
-static wisp_status run_validation( validate_arguments* a, results* out, char* summary, size_t size,
-                                   wisp_error* error )
+static wisp_status run_validation( void* user, results* out, report_run* page, wisp_error* error )
 {
-    progress bar = progress_begin();
-    a->options.progress = bench_show_progress;
-    a->options.progress_user = &bar;
-    const wisp_status status = validate_run( a->chosen, &a->options, out, summary, size, error );
-    progress_end( &bar );
-    return bench_keep_interrupted( out, status );
+    validate_arguments* a = user;
+    out->is_result_first = true;
+    *page = ( report_run ){ .what = "validation", .how = "wisp validate", .errors = a->summary };
+    return validate_run( a->chosen, &a->options, out, a->summary, sizeof a->summary, error );
 }
 
 int command_validate( int argc, char** argv )
 {
     validate_arguments a = { .options = bench_default_options() };
     options_parse( &validate_text, check_validate_options, &a, argc, argv );
-    if ( a.only_list )
-    {
-        return list_validations();
-    }
-    interruption_begin();
-    results out = { .is_result_first = true };
-    results_put_options( &out, argc, argv );
-    wisp_error error = { 0 };
-    wisp_status status = bench_describe_machine( &out.machine, &error );
-    status = status == WISP_OK ? bench_check_files( &a.files, &error ) : status;
-    char summary[600] = "";
-    status = status == WISP_OK ? run_validation( &a, &out, summary, sizeof summary, &error ) : status;
-    const report_run page = { .what = "validation", .how = "wisp validate", .errors = summary };
-    status = status == WISP_OK ? bench_write_files( &a.files, &page, &out, &error ) : status;
-    const bool failed = out.failed;
-    results_free( &out );
-    return status != WISP_OK ? command_fail( &error ) : interruption_status( failed ? STATUS_UNMET : STATUS_GOOD );
+    return a.only_list ? list_validations()
+                       : bench_measure( &a.options, &a.files, run_validation, &a, NULL, argc, argv );
 }

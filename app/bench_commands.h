@@ -43,11 +43,14 @@ wisp_status bench_check_files( const bench_files* files, wisp_error* error );
 /// Write the results, and the page if there is to be one.
 wisp_status bench_write_files( const bench_files* files, const report_run* run, const results* out,
                                wisp_error* error );
-/// For options of cases. @param user progress
-void bench_show_progress( void* user, double fraction, const char* what );
+/// What a command measures. @param page to be described; without a name nothing is written
+typedef wisp_status bench_run_fn( void* arguments, results* out, report_run* page, wisp_error* error );
 
-/// @return WISP_OK in place of the status of an interruption, which becomes a note
-wisp_status bench_keep_interrupted( results* out, wisp_status status );
+/// Measure, with a progress bar, and write results and page. After an interruption there is what was measured by then, and a note.
+/// @param unmet line for standard error if a check failed, or null
+/// @return exit status
+int bench_measure( bench_options* options, const bench_files* files, bench_run_fn* run, void* arguments,
+                   const char* unmet, int argc, char** argv );
 
 /// The machine, with the instruction set of the engine's kernels.
 wisp_status bench_describe_machine( machine_info* out, wisp_error* error );

@@ -8,6 +8,7 @@
 #include "progress.h"
 #include "suite_measure.h"
 #include "suite_motion.h"
+#include "text_tree.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -253,22 +254,21 @@ static wisp_status measure_all( const wisp_suite* suite, const gate_options* o, 
 
 // ---- record and accept ----
 
-static wisp_status add_reason( gate_base* base, const char* text, wisp_error* error )
+static void add_reason( gate_base* base, const char* text )
 {
-    gate_reason* grown = realloc( base->accepted, ( (size_t)base->accepted_count + 1 ) * sizeof *grown );
-    if ( grown == NULL )
+    gate_reason* grown = text_alloc( ( (size_t)base->accepted_count + 1 ) * sizeof *grown );
+    for ( int i = 0; i < base->accepted_count; ++i )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "gate: out of memory for a reason" );
+        grown[i] = base->accepted[i];
     }
+    free( base->accepted );
     base->accepted = grown;
     gate_reason* reason = grown + base->accepted_count++;
     gate_today( reason->date );
     snprintf( reason->text, sizeof reason->text, "%s", text );
-    return WISP_OK;
 }
 
-static wisp_status fill_base( const wisp_suite* suite, const suite_measurement* measured, gate_base* base,
-                              wisp_error* error )
+static void fill_base( const wisp_suite* suite, const suite_measurement* measured, gate_base* base )
 {
     const machine_info machine = machine_describe( "" );
     snprintf( base->suite, sizeof base->suite, "%s", suite->name );
@@ -276,15 +276,14 @@ static wisp_status fill_base( const wisp_suite* suite, const suite_measurement* 
     gate_compiler( base->compiler, sizeof base->compiler );
     gate_today( base->date );
     free( base->rows );
-    base->rows = calloc( (size_t)suite->row_count, sizeof *base->rows );
-    base->row_count = base->rows ? suite->row_count : 0;
+    base->rows = text_alloc( (size_t)suite->row_count * sizeof *base->rows );
+    base->row_count = suite->row_count;
     for ( int i = 0; i < base->row_count; ++i )
     {
         memcpy( base->rows[i].name, suite->rows[i].name, sizeof base->rows[i].name );
         memcpy( base->rows[i].variant, suite->rows[i].variant, sizeof base->rows[i].variant );
         base->rows[i].measured = measured[i];
     }
-    return base->rows ? WISP_OK : wisp_fail( error, WISP_NO_MEMORY, "gate: out of memory for rows" );
 }
 
 static wisp_status check_suite( const gate_base* base, const wisp_suite* suite, const char* path, wisp_error* error )
@@ -304,9 +303,15 @@ static wisp_status record( const wisp_suite* suite, const gate_options* o, const
     {
         status = gate_base_read( o->base, &base, error );
         status = status == WISP_OK ? check_suite( &base, suite, o->base, error ) : status;
-        status = status == WISP_OK ? add_reason( &base, o->reason, error ) : status;
     }
-    status = status == WISP_OK ? fill_base( suite, measured, &base, error ) : status;
+    if ( status == WISP_OK && o->action == ACTION_ACCEPT )
+    {
+        add_reason( &base, o->reason );
+    }
+    if ( status == WISP_OK )
+    {
+        fill_base( suite, measured, &base );
+    }
     const char* file = o->patch ? o->patch : o->base;
     status = status != WISP_OK ? status
              : o->patch        ? gate_write_patch( &base, o->base, o->patch, error )
@@ -347,11 +352,7 @@ static wisp_status tell_github( const wisp_suite* suite, const gate_row_check* c
 static wisp_status report( const wisp_suite* suite, int all, const gate_options* o, const gate_base* base,
                            const suite_measurement* measured, bool* is_worse, wisp_error* error )
 {
-    gate_row_check* checks = calloc( (size_t)suite->row_count, sizeof *checks );
-    if ( checks == NULL )
-    {
-        return wisp_fail( error, WISP_NO_MEMORY, "gate: out of memory for rows" );
-    }
+    gate_row_check* checks = text_alloc( (size_t)suite->row_count * sizeof *checks );
     results out = { .machine = machine_describe( measured[0].isa ), .is_result_first = true };
     results_put_options( &out, o->argc, o->argv );
     note_interruption( "checked", suite->row_count, all, &out );
@@ -404,15 +405,14 @@ static int check_against_base( wisp_suite* suite, gate_options* o, wisp_error* e
     bool is_worse = false;
     wisp_status status = gate_base_read( o->base, &base, error );
     status = status == WISP_OK ? check_suite( &base, suite, o->base, error ) : status;
-    suite_measurement* measured = calloc( (size_t)suite->row_count, sizeof *measured );
+    suite_measurement* measured = text_alloc( (size_t)suite->row_count * sizeof *measured );
     if ( status == WISP_OK )
     {
         o->has_cycles = base_has( &base, SUITE_CYCLES ) && gate_counts_are_comparable( &base );
         o->lacks_instructions = !o->no_instructions && !base_has( &base, SUITE_INSTRUCTIONS );
         o->no_instructions = o->no_instructions || o->lacks_instructions;
         int done = 0;
-        status = measured ? measure_all( suite, o, measured, &done, error )
-                          : wisp_fail( error, WISP_NO_MEMORY, "gate: out of memory for rows" );
+        status = measure_all( suite, o, measured, &done, error );
         if ( status != WISP_OK && interruption_came() && done > 0 )
         {
             suite->row_count = done;
@@ -430,13 +430,12 @@ static int check_against_base( wisp_suite* suite, gate_options* o, wisp_error* e
 static int compare_times( wisp_suite* suite, const gate_options* o, wisp_error* error )
 {
     const int all = suite->row_count;
-    gate_pair_check* checks = calloc( (size_t)suite->row_count, sizeof *checks );
+    gate_pair_check* checks = text_alloc( (size_t)suite->row_count * sizeof *checks );
     results out = { .machine = machine_describe( o->isa ? o->isa : "avx2" ), .is_result_first = true };
     results_put_options( &out, o->argc, o->argv );
     progress bar = progress_begin();
     const gate_turns turns = { .suite = o->suite, .isa = out.machine.isa, .patience = o->patience };
-    wisp_status status = checks ? gate_compare_programs( suite, o->paired, turns, &bar, checks, error )
-                                : wisp_fail( error, WISP_NO_MEMORY, "gate: out of memory for rows" );
+    wisp_status status = gate_compare_programs( suite, o->paired, turns, &bar, checks, error );
     progress_end( &bar );
     bool is_worse = false;
     for ( int i = 0; i < suite->row_count && status == WISP_OK; ++i )
@@ -521,12 +520,11 @@ static int run_action( wisp_suite* suite, gate_options* o, wisp_error* error )
         return o->action == ACTION_CHECK ? check_against_base( suite, o, error ) : step_row( suite, o, error );
     }
     wisp_status status = command_check_writable( o->patch ? o->patch : o->base, error );
-    suite_measurement* measured = calloc( (size_t)suite->row_count, sizeof *measured );
+    suite_measurement* measured = text_alloc( (size_t)suite->row_count * sizeof *measured );
     if ( status == WISP_OK )
     {
         int done = 0;
-        status = measured ? measure_all( suite, o, measured, &done, error )
-                          : wisp_fail( error, WISP_NO_MEMORY, "gate: out of memory for rows" );
+        status = measure_all( suite, o, measured, &done, error );
         if ( status != WISP_OK && interruption_came() )
         {
             wisp_fail( error, WISP_CONFLICT, "interrupted after %d of %d rows: %s is as it was", done,

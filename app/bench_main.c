@@ -55,9 +55,59 @@ wisp_status bench_write_files( const bench_files* files, const report_run* run, 
     return reported == WISP_OK ? written : reported;
 }
 
-void bench_show_progress( void* user, double fraction, const char* what )
+static void show_progress( void* user, double fraction, const char* what )
 {
     progress_show( user, fraction, what );
+}
+
+// The instruction set of the engine's kernels on this machine, from an empty world.
+wisp_status bench_describe_machine( machine_info* out, wisp_error* error )
+{
+    wisp_world_def def = wisp_default_world_def();
+    def.workers = 1;
+    wisp_world* world;
+    WISP_TRY( wisp_world_create( &def, &world, error ) );
+    *out = machine_describe( wisp_world_isa( world ) );
+    wisp_world_destroy( world );
+    return WISP_OK;
+}
+
+int bench_measure( bench_options* options, const bench_files* files, bench_run_fn* run, void* arguments,
+                   const char* unmet, int argc, char** argv )
+{
+    interruption_begin();
+    results out = { 0 };
+    results_put_options( &out, argc, argv );
+    wisp_error error = { 0 };
+    report_run page = { 0 };
+    wisp_status status = bench_describe_machine( &out.machine, &error );
+    status = status == WISP_OK ? bench_check_files( files, &error ) : status;
+    if ( status == WISP_OK )
+    {
+        progress bar = progress_begin();
+        options->progress = show_progress;
+        options->progress_user = &bar;
+        status = run( arguments, &out, &page, &error );
+        progress_end( &bar );
+    }
+    // What was measured before the signal is written as usual.
+    if ( status == WISP_CONFLICT && interruption_came() )
+    {
+        results_add_note( &out, "interrupted: what was not measured by then is missing" );
+        status = WISP_OK;
+    }
+    status = status == WISP_OK && page.what ? bench_write_files( files, &page, &out, &error ) : status;
+    const bool failed = out.failed;
+    results_free( &out );
+    if ( status != WISP_OK )
+    {
+        return command_fail( &error );
+    }
+    if ( failed && unmet )
+    {
+        fprintf( stderr, "%s\n", unmet );
+    }
+    return interruption_status( failed ? STATUS_UNMET : STATUS_GOOD );
 }
 
 #define CASES_MAX 64
@@ -69,6 +119,7 @@ typedef struct bench_arguments
     bench_case chosen[CASES_MAX]; ///< cases, and suites, which have no function
     int chosen_count;
     bool only_list;
+    char what[1000], how[200]; ///< of the page
 } bench_arguments;
 
 // ---- the command line ----
@@ -186,44 +237,6 @@ static int list_cases( void )
     return STATUS_GOOD;
 }
 
-// What was measured before the signal is written as usual.
-wisp_status bench_keep_interrupted( results* out, wisp_status status )
-{
-    if ( status == WISP_CONFLICT && interruption_came() )
-    {
-        results_add_note( out, "interrupted: what was not measured by then is missing" );
-        return WISP_OK;
-    }
-    return status;
-}
-
-static wisp_status run_cases( bench_arguments* arguments, results* out, wisp_error* error )
-{
-    int count;
-    const bench_case* cases = bench_cases( &count );
-    for ( int i = 0; arguments->chosen_count == 0 && i < count && i < CASES_MAX; ++i )
-    {
-        arguments->chosen[i] = cases[i];
-    }
-    count = arguments->chosen_count > 0 ? arguments->chosen_count : count;
-
-    progress bar = progress_begin();
-    arguments->options.progress = bench_show_progress;
-    arguments->options.progress_user = &bar;
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < count && status == WISP_OK; ++i )
-    {
-        const bench_case* chosen = arguments->chosen + i;
-        progress_part( &bar, (double)i / count, 1.0 / count );
-        status = chosen->run ? chosen->run( &arguments->options, out, error )
-                             : suite_bench( chosen->name, &arguments->options, out, error );
-    }
-    progress_end( &bar );
-    return bench_keep_interrupted( out, status );
-}
-
-// ---- what is written ----
-
 // The names of the cases, for readers.
 static void name_cases( const bench_arguments* arguments, char* out, size_t size )
 {
@@ -234,26 +247,29 @@ static void name_cases( const bench_arguments* arguments, char* out, size_t size
     }
 }
 
-static wisp_status write_results( const bench_arguments* arguments, const results* out, wisp_error* error )
+static wisp_status run_cases( void* user, results* out, report_run* page, wisp_error* error )
 {
-    const bench_options* options = &arguments->options;
-    char what[1000], how[200];
-    name_cases( arguments, what, sizeof( what ) );
-    snprintf( how, sizeof( how ), "%sabout %g s per case, up to %d worker%s", options->quick ? "quick, " : "",
-              bench_seconds( options ), options->workers, options->workers == 1 ? "" : "s" );
-    const report_run page = { .what = what, .how = how };
-    return bench_write_files( &arguments->files, &page, out, error );
-}
-
-// The instruction set of the engine's kernels on this machine, from an empty world.
-wisp_status bench_describe_machine( machine_info* out, wisp_error* error )
-{
-    wisp_world_def def = wisp_default_world_def();
-    def.workers = 1;
-    wisp_world* world;
-    WISP_TRY( wisp_world_create( &def, &world, error ) );
-    *out = machine_describe( wisp_world_isa( world ) );
-    wisp_world_destroy( world );
+    bench_arguments* arguments = user;
+    bench_options* options = &arguments->options;
+    name_cases( arguments, arguments->what, sizeof arguments->what );
+    snprintf( arguments->how, sizeof arguments->how, "%sabout %g s per case, up to %d worker%s",
+              options->quick ? "quick, " : "", bench_seconds( options ), options->workers,
+              options->workers == 1 ? "" : "s" );
+    *page = ( report_run ){ .what = arguments->what, .how = arguments->how };
+    int count;
+    const bench_case* cases = bench_cases( &count );
+    for ( int i = 0; arguments->chosen_count == 0 && i < count && i < CASES_MAX; ++i )
+    {
+        arguments->chosen[i] = cases[i];
+    }
+    count = arguments->chosen_count > 0 ? arguments->chosen_count : count;
+    for ( int i = 0; i < count; ++i )
+    {
+        const bench_case* chosen = arguments->chosen + i;
+        progress_part( options->progress_user, (double)i / count, 1.0 / count );
+        WISP_TRY( chosen->run ? chosen->run( options, out, error )
+                              : suite_bench( chosen->name, options, out, error ) );
+    }
     return WISP_OK;
 }
 
@@ -261,31 +277,8 @@ int command_bench( int argc, char** argv )
 {
     bench_arguments arguments = { .options = bench_default_options() };
     options_parse( &bench_text, check_bench_options, &arguments, argc, argv );
-    if ( arguments.only_list )
-    {
-        return list_cases();
-    }
-
-    interruption_begin();
-    results out = { 0 };
-    results_put_options( &out, argc, argv );
-    wisp_error error = { 0 };
-    wisp_status status = bench_describe_machine( &out.machine, &error );
-    status = status == WISP_OK ? bench_check_files( &arguments.files, &error ) : status;
-    status = status == WISP_OK ? run_cases( &arguments, &out, &error ) : status;
-    if ( status == WISP_OK )
-    {
-        status = write_results( &arguments, &out, &error );
-    }
-    bool failed = out.failed;
-    results_free( &out );
-    if ( status != WISP_OK )
-    {
-        return command_fail( &error );
-    }
-    if ( failed )
-    {
-        fprintf( stderr, "wisp: a result is wrong; the lines that begin with FAILED say which.\n" );
-    }
-    return interruption_status( failed ? STATUS_UNMET : STATUS_GOOD );
+    return arguments.only_list
+               ? list_cases()
+               : bench_measure( &arguments.options, &arguments.files, run_cases, &arguments,
+                                "wisp: a result is wrong; the lines that begin with FAILED say which.", argc, argv );
 }

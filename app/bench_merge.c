@@ -36,8 +36,8 @@ static bool has_several_processors( const sweep_row* rows, int count )
     for ( int i = 0; i < count; ++i )
     {
         first = first == NULL && rows[i].workers > 0 ? rows + i : first;
-        has = has || ( rows[i].workers > 0 &&
-                       ( strcmp( rows[i].cpu, first->cpu ) != 0 || strcmp( rows[i].isa, first->isa ) != 0 ) );
+        has = has || ( rows[i].workers > 0 && ( strcmp( rows[i].machine.cpu, first->machine.cpu ) != 0 ||
+                                                strcmp( rows[i].machine.isa, first->machine.isa ) != 0 ) );
     }
     return has;
 }
@@ -156,7 +156,8 @@ static void add_line( const merged* r, const table_plan* plan, const sweep_row* 
     if ( plan->workers > 0 && r->has_processors )
     {
         const bool is_timed = row->workers > 0;
-        cells_put( &line, "%s%s%s", is_timed ? row->cpu : "", is_timed ? ", " : "", is_timed ? row->isa : "" );
+        cells_put( &line, "%s%s%s", is_timed ? row->machine.cpu : "", is_timed ? ", " : "",
+                   is_timed ? row->machine.isa : "" );
     }
     if ( plan->has_verdicts )
     {
@@ -411,23 +412,13 @@ static void check_merge_options( const options_state* o )
 static void describe_machines( sweep_merge* merge, results* out )
 {
     sweep_row* all = &merge->like;
-    machine_info* m = &out->machine;
     sweep_row_take_times( all, merge->rows );
     for ( int i = 1; i < all->items; ++i )
     {
         sweep_row_join_machines( all, merge->rows + i );
     }
-    *m = ( machine_info ){ .cores = all->cores,
-                           .memory_bytes = all->memory_bytes,
-                           .version = all->version,
-                           .commit = all->commit,
-                           .compiler = all->compiler,
-                           .flags = all->flags,
-                           .build_type = all->build_type,
-                           .host = "unknown" };
-    snprintf( m->cpu, sizeof m->cpu, "%s", all->cpu );
-    snprintf( m->isa, sizeof m->isa, "%s", all->isa );
-    snprintf( m->os, sizeof m->os, "%s", all->os );
+    out->machine = all->machine;
+    snprintf( out->machine.host, sizeof out->machine.host, "unknown" );
 }
 
 int command_merge( int argc, char** argv )

@@ -101,22 +101,13 @@ static void describe( const sweep_arguments* a, const wisp_suite* suite, const c
                           .items = suite->row_count,
                           .shard = a->shard,
                           .shards = a->shards,
-                          .cores = machine->cores,
-                          .memory_bytes = machine->memory_bytes };
+                          .machine = *machine };
     for ( int i = 0; i < suite->row_count; ++i )
     {
         out->share += sweep_runs( sweep_key( suite->rows + i ), a->shard, a->shards ) ? 1 : 0;
     }
     snprintf( out->suite, sizeof out->suite, "%s", suite->title[0] ? suite->title : suite->name );
     snprintf( out->reference, sizeof out->reference, "%s", reference );
-    snprintf( out->version, sizeof out->version, "%s", machine->version );
-    snprintf( out->commit, sizeof out->commit, "%s", machine->commit );
-    snprintf( out->compiler, sizeof out->compiler, "%s", machine->compiler );
-    snprintf( out->flags, sizeof out->flags, "%s", machine->flags );
-    snprintf( out->build_type, sizeof out->build_type, "%s", machine->build_type );
-    snprintf( out->cpu, sizeof out->cpu, "%s", machine->cpu );
-    snprintf( out->isa, sizeof out->isa, "%s", machine->isa );
-    snprintf( out->os, sizeof out->os, "%s", machine->os );
 }
 
 // A part that rows are appended to.

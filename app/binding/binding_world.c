@@ -62,14 +62,11 @@ static wisp_status make( const binding_scene* scene, const binding_options* opti
                                         .is_quiet = options->is_quiet,
                                         .log = options->log,
                                         .log_user = options->log_user };
-    wisp_status status = binding_scene_again( scene, &w->scene, error );
-    if ( status == WISP_OK && options->reference_factor > 0 )
-    {
-        status = refine( &w->scene, options->reference_factor, error );
-    }
-    status = status == WISP_OK ? scene_world_create( &w->scene, &world, &w->world, error ) : status;
-    status = status == WISP_OK ? keep_hair( w, error ) : status;
-    return status == WISP_OK ? scene_world_request_shown( &w->world, error ) : status;
+    WISP_TRY( binding_scene_again( scene, &w->scene, error ) );
+    WISP_TRY( options->reference_factor > 0 ? refine( &w->scene, options->reference_factor, error ) : WISP_OK );
+    WISP_TRY( scene_world_create( &w->scene, &world, &w->world, error ) );
+    WISP_TRY( keep_hair( w, error ) );
+    return scene_world_request_shown( &w->world, error );
 }
 
 wisp_status binding_world_open( const binding_scene* scene, const binding_options* options, binding_world** out,

@@ -421,31 +421,24 @@ wisp_status gate_self_test( const wisp_suite* suite, const gate_turns* turns, co
     char own[4096];
     gate_slow twice = { 0 };
     double plain = 0.0;
-    wisp_status status = own_path( own, sizeof own, error );
-    status = status == WISP_OK ? find_twice( suite->rows + turns->row, turns, &twice, error ) : status;
-    for ( int k = 0; k < WISP_COUNT( slow ) && status == WISP_OK; ++k )
+    WISP_TRY( own_path( own, sizeof own, error ) );
+    WISP_TRY( find_twice( suite->rows + turns->row, turns, &twice, error ) );
+    for ( int k = 0; k < WISP_COUNT( slow ); ++k )
     {
         const gate_program programs[] = { { .path = own }, { own, lround( slow[k] * (double)twice.loops ) } };
         self_test t = { .slow = slow[k], .more = NAN, .trials = options->trials };
         if ( options->counts_instructions )
         {
             double counted = NAN;
-            status = count_instructions( turns, programs + 1, &counted, error );
+            WISP_TRY( count_instructions( turns, programs + 1, &counted, error ) );
             plain = k == 0 ? counted : plain;
             t.more = counted / plain - 1.0;
         }
-        status = status == WISP_OK ? run_trials( programs, turns, suite->row_count, (double)k / WISP_COUNT( slow ),
-                                                 1.0 / WISP_COUNT( slow ), bar, &t, error )
-                                   : status;
-        if ( status == WISP_OK )
-        {
-            add_line( &t, table, out );
-        }
+        WISP_TRY( run_trials( programs, turns, suite->row_count, (double)k / WISP_COUNT( slow ),
+                              1.0 / WISP_COUNT( slow ), bar, &t, error ) );
+        add_line( &t, table, out );
     }
-    if ( status == WISP_OK )
-    {
-        results_add_note( out, "gate %s: row %s is slowed down; what gates of time find at 0 %% is a false alarm",
-                          suite->name, suite->rows[turns->row].name );
-    }
-    return status;
+    results_add_note( out, "gate %s: row %s is slowed down; what gates of time find at 0 %% is a false alarm",
+                      suite->name, suite->rows[turns->row].name );
+    return WISP_OK;
 }

@@ -441,25 +441,19 @@ static wisp_status choose_flip( const net* d, path* w, int32_t* chosen, wisp_err
 static wisp_status enforce_edge( net* d, int32_t from, int32_t to, wisp_error* error )
 {
     path w = { .from = from, .to = to };
-    wisp_status status = set_out( d, &w, error );
-    while ( status == WISP_OK && w.edge == NO_TWIN )
+    WISP_TRY( set_out( d, &w, error ) );
+    while ( w.edge == NO_TWIN )
     {
         int32_t chosen;
-        status = choose_flip( d, &w, &chosen, error );
-        if ( status == WISP_OK )
-        {
-            // The new diagonal need not be Delaunay. The path still crosses a triangle next to it, unless it is the
-            // edge itself, so a later flip puts it on the stack.
-            flip( d, chosen );
-            status = set_out( d, &w, error );
-        }
+        WISP_TRY( choose_flip( d, &w, &chosen, error ) );
+        // The new diagonal need not be Delaunay. The path still crosses a triangle next to it, unless it is the
+        // edge itself, so a later flip puts it on the stack.
+        flip( d, chosen );
+        WISP_TRY( set_out( d, &w, error ) );
     }
-    if ( status == WISP_OK )
-    {
-        d->locked[w.edge] = d->locked[d->twins[w.edge]] = true;
-        settle( d );
-    }
-    return status;
+    d->locked[w.edge] = d->locked[d->twins[w.edge]] = true;
+    settle( d );
+    return WISP_OK;
 }
 
 // ---- inside and outside ----------------------------------------------------------------------------------------

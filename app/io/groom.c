@@ -580,19 +580,19 @@ static wisp_status check_vertex_range( const wisp_groom* groom, int s, int v, wi
 
 wisp_status wisp_groom_check( const wisp_groom* groom, wisp_error* error )
 {
-    wisp_status status = groom_check_finite( groom, "groom", error );
-    if ( status == WISP_OK && groom->dimension != 2 && groom->dimension != 3 )
+    WISP_TRY( groom_check_finite( groom, "groom", error ) );
+    if ( groom->dimension != 2 && groom->dimension != 3 )
     {
-        status = wisp_fail( error, WISP_BAD_INPUT, "groom: got %d dimensions, expected 2 or 3", groom->dimension );
+        return wisp_fail( error, WISP_BAD_INPUT, "groom: got %d dimensions, expected 2 or 3", groom->dimension );
     }
-    for ( int s = 0; status == WISP_OK && s < groom->strand_count; ++s )
+    for ( int s = 0; s < groom->strand_count; ++s )
     {
-        for ( int v = groom->offsets[s]; status == WISP_OK && v < groom->offsets[s + 1]; ++v )
+        for ( int v = groom->offsets[s]; v < groom->offsets[s + 1]; ++v )
         {
-            status = check_vertex_range( groom, s, v, error );
+            WISP_TRY( check_vertex_range( groom, s, v, error ) );
         }
     }
-    return status;
+    return WISP_OK;
 }
 
 wisp_status wisp_groom_of_arrays( const wisp_vec3* points, int vertex_count, const int32_t* offsets, int strand_count,

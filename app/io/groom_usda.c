@@ -72,7 +72,8 @@ static void write_vector( FILE* out, wisp_vec3 v )
 }
 
 // One line per strand: files with a single very long line stop editors.
-static void write_vectors( FILE* out, const wisp_groom* groom, const char* type_and_name, const wisp_vec3* values )
+static void write_values( FILE* out, const wisp_groom* groom, const char* type_and_name, const float* values,
+                          int width, bool from_one )
 {
     fprintf( out, "    %s = [\n", type_and_name );
     for ( int s = 0; s < groom->strand_count; ++s )
@@ -80,24 +81,15 @@ static void write_vectors( FILE* out, const wisp_groom* groom, const char* type_
         fputs( "        ", out );
         for ( int v = groom->offsets[s]; v < groom->offsets[s + 1]; ++v )
         {
-            write_vector( out, values[v] );
-            fputs( v + 1 == groom->vertex_count ? "\n" : v + 1 == groom->offsets[s + 1] ? ",\n" : ", ", out );
-        }
-    }
-    fputs( "    ]", out );
-}
-
-static void write_floats( FILE* out, const wisp_groom* groom, const char* type_and_name, const float* values,
-                          bool from_one )
-{
-    fprintf( out, "    %s = [\n", type_and_name );
-    for ( int s = 0; s < groom->strand_count; ++s )
-    {
-        fputs( "        ", out );
-        for ( int v = groom->offsets[s]; v < groom->offsets[s + 1]; ++v )
-        {
-            float value = from_one ? 1.0f - values[v] : values[v];
-            fprintf( out, "%.9g", (double)value );
+            const float* value = values + (size_t)width * (size_t)v;
+            if ( width == 3 )
+            {
+                write_vector( out, ( wisp_vec3 ){ value[0], value[1], value[2] } );
+            }
+            else
+            {
+                fprintf( out, "%.9g", (double)( from_one ? 1.0f - *value : *value ) );
+            }
             fputs( v + 1 == groom->vertex_count ? "\n" : v + 1 == groom->offsets[s + 1] ? ",\n" : ", ", out );
         }
     }
@@ -132,21 +124,21 @@ static void write_curves( FILE* out, const wisp_groom* groom )
            out );
     write_counts( out, groom );
     write_extent( out, groom );
-    write_vectors( out, groom, "point3f[] points", groom->points );
+    write_values( out, groom, "point3f[] points", (const float*)groom->points, 3, false );
     fputs( "\n", out );
     if ( groom->thickness != NULL )
     {
-        write_floats( out, groom, "float[] widths", groom->thickness, false );
+        write_values( out, groom, "float[] widths", groom->thickness, 1, false );
         fputs( per_vertex, out );
     }
     if ( groom->colour != NULL )
     {
-        write_vectors( out, groom, "color3f[] primvars:displayColor", groom->colour );
+        write_values( out, groom, "color3f[] primvars:displayColor", (const float*)groom->colour, 3, false );
         fputs( per_vertex, out );
     }
     if ( groom->transparency != NULL )
     {
-        write_floats( out, groom, "float[] primvars:displayOpacity", groom->transparency, true );
+        write_values( out, groom, "float[] primvars:displayOpacity", groom->transparency, 1, true );
         fputs( per_vertex, out );
     }
     fputs( "}\n", out );

@@ -3,6 +3,8 @@
 // process.
 #include "record_internal.h"
 
+#include "wisp/module/definition.h"
+
 #include <errno.h>
 
 // ---- tracks ----
@@ -25,20 +27,15 @@ static wisp_status check_track( const wisp_recorder* recorder, int i, wisp_error
 
 static wisp_status track_begin( wisp_recorder* recorder, wisp_error* error )
 {
-    wisp_status status = WISP_OK;
     if ( recorder->track_count < 1 )
     {
-        status = record_wrong( error, recorder->path, "got %d vertices, expected at least 1", recorder->track_count );
+        return record_wrong( error, recorder->path, "got %d vertices, expected at least 1", recorder->track_count );
     }
-    for ( int i = 0; status == WISP_OK && i < recorder->track_count; ++i )
+    for ( int i = 0; i < recorder->track_count; ++i )
     {
-        status = check_track( recorder, i, error );
+        WISP_TRY( check_track( recorder, i, error ) );
     }
-    status = status == WISP_OK ? io_output_open( recorder->path, &recorder->outputs[0], error ) : status;
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( io_output_open( recorder->path, &recorder->outputs[0], error ) );
     FILE* out = recorder->outputs[0].stream;
     fputs( "time", out );
     for ( int i = 0; i < 3 * recorder->track_count; ++i )

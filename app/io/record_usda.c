@@ -2,6 +2,8 @@
 // file, while frames arrive with all bodies together: they wait until the recorder is closed.
 #include "record_internal.h"
 
+#include "wisp/module/definition.h"
+
 #include <math.h>
 
 enum
@@ -73,13 +75,12 @@ static wisp_status check_strands( const wisp_recorder* recorder, const wisp_reco
 
 static wisp_status usda_begin( wisp_recorder* recorder, wisp_error* error )
 {
-    wisp_status status = WISP_OK;
-    for ( int b = 0; b < recorder->body_count && status == WISP_OK; ++b )
+    for ( int b = 0; b < recorder->body_count; ++b )
     {
-        status = check_name( recorder, b, error );
-        status = status == WISP_OK ? check_strands( recorder, &recorder->bodies[b], error ) : status;
+        WISP_TRY( check_name( recorder, b, error ) );
+        WISP_TRY( check_strands( recorder, &recorder->bodies[b], error ) );
     }
-    return status == WISP_OK ? record_wait_open( recorder, error ) : status;
+    return record_wait_open( recorder, error );
 }
 
 // ---- frames ----------------------------------------------------------------------------------------------------

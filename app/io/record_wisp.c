@@ -370,20 +370,17 @@ static wisp_status read_bodies( wisp_recording* recording, header_cursor* cursor
     }
     recording->info.body_count = (int)count;
     recording->bodies = io_get( &recording->memory, count * sizeof *recording->bodies );
-    wisp_status status =
-        recording->bodies != NULL ? WISP_OK : record_no_memory( cursor->source->name, cursor->error );
-    for ( int b = 0; status == WISP_OK && b < (int)count; ++b )
+    WISP_TRY( recording->bodies != NULL ? WISP_OK : record_no_memory( cursor->source->name, cursor->error ) );
+    for ( int b = 0; b < (int)count; ++b )
     {
-        status = read_body( cursor, &recording->memory, b, &recording->bodies[b] );
+        WISP_TRY( read_body( cursor, &recording->memory, b, &recording->bodies[b] ) );
     }
-    if ( status == WISP_OK && cursor->at != cursor->end )
+    if ( cursor->at != cursor->end )
     {
-        status = record_wrong_byte( cursor->source, cursor->at, cursor->error, "%zu bytes follow the last body",
-                                    cursor->end - cursor->at );
+        return record_wrong_byte( cursor->source, cursor->at, cursor->error, "%zu bytes follow the last body",
+                                  cursor->end - cursor->at );
     }
-    return status == WISP_OK
-               ? record_check_bodies( recording->bodies, (int)count, cursor->source->name, cursor->error )
-               : status;
+    return record_check_bodies( recording->bodies, (int)count, cursor->source->name, cursor->error );
 }
 
 static wisp_status read_origin( wisp_recording* recording, header_cursor* cursor )

@@ -5,6 +5,8 @@
 #include "gltf_internal.h"
 #include "trig.h"
 
+#include "wisp/module/definition.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -206,6 +208,22 @@ static void put_all( key_list* list, const wisp_clip* clips, int count, const wi
     }
 }
 
+static size_t values_size( const wisp_animation_track* track )
+{
+    const size_t rows = track->interpolation == WISP_INTERPOLATION_CUBIC ? 3 : 1;
+    return (size_t)track->key_count * rows * (size_t)wisp_joint_property_width( track->property ) *
+           sizeof *track->values;
+}
+
+static wisp_status make_keys( wisp_animation_track* track, wisp_error* error )
+{
+    track->times = malloc( (size_t)track->key_count * sizeof *track->times );
+    track->values = malloc( values_size( track ) );
+    return track->times != NULL && track->values != NULL
+               ? WISP_OK
+               : wisp_fail( error, WISP_NO_MEMORY, "animation: out of memory for %d keyframes", track->key_count );
+}
+
 static wisp_status join_property( const wisp_clip* clips, int count, const wisp_skeleton* skeleton, int joint,
                                   wisp_joint_property property, wisp_animation* out, wisp_error* error )
 {
@@ -232,13 +250,7 @@ static wisp_status join_property( const wisp_clip* clips, int count, const wisp_
                                                             ? WISP_INTERPOLATION_STEP
                                                             : WISP_INTERPOLATION_LINEAR,
                                        .key_count = list.count };
-    track->times = malloc( (size_t)list.count * sizeof *track->times );
-    track->values =
-        malloc( (size_t)list.count * (size_t)wisp_joint_property_width( property ) * sizeof *track->values );
-    if ( track->times == NULL || track->values == NULL )
-    {
-        return wisp_fail( error, WISP_NO_MEMORY, "animation: out of memory for %d keyframes", list.count );
-    }
+    WISP_TRY( make_keys( track, error ) );
     list = ( key_list ){ .times = track->times, .values = track->values };
     put_all( &list, clips, count, &skeleton->joints[joint], joint, property );
     return track->interpolation == WISP_INTERPOLATION_STEP ? WISP_OK : wisp_animation_track_smooth( track, error );
@@ -248,32 +260,22 @@ static wisp_status join_property( const wisp_clip* clips, int count, const wisp_
 
 static wisp_status copy_track( const wisp_animation_track* from, wisp_animation_track* to, wisp_error* error )
 {
-    const size_t rows = from->interpolation == WISP_INTERPOLATION_CUBIC ? 3 : 1;
-    const size_t times = (size_t)from->key_count * sizeof *from->times,
-                 values = (size_t)from->key_count * rows * (size_t)wisp_joint_property_width( from->property ) *
-                          sizeof *from->values;
     *to = *from;
-    to->times = malloc( times );
-    to->values = malloc( values );
-    if ( to->times == NULL || to->values == NULL )
-    {
-        return wisp_fail( error, WISP_NO_MEMORY, "animation: out of memory for %d keyframes", from->key_count );
-    }
-    memcpy( to->times, from->times, times );
-    memcpy( to->values, from->values, values );
+    WISP_TRY( make_keys( to, error ) );
+    memcpy( to->times, from->times, (size_t)from->key_count * sizeof *from->times );
+    memcpy( to->values, from->values, values_size( from ) );
     return WISP_OK;
 }
 
 static wisp_status copy_tracks( const wisp_animation* from, wisp_animation* out, wisp_error* error )
 {
-    wisp_status status = WISP_OK;
     out->duration = from->duration;
     out->loops = from->loops;
-    for ( int t = 0; t < from->track_count && status == WISP_OK; ++t )
+    for ( int t = 0; t < from->track_count; ++t )
     {
-        status = copy_track( &from->tracks[t], &out->tracks[out->track_count++], error );
+        WISP_TRY( copy_track( &from->tracks[t], &out->tracks[out->track_count++], error ) );
     }
-    return status;
+    return WISP_OK;
 }
 
 wisp_status wisp_animation_join( const wisp_clip* clips, int count, const wisp_skeleton* skeleton,

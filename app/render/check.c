@@ -2,6 +2,7 @@
 
 #include "palette.h"
 #include "render.h"
+#include "wisp/module/definition.h"
 #include "wisp/module/vec.h"
 
 #include <stdio.h>
@@ -238,17 +239,11 @@ static wisp_status check_radii( const body_name* body, const render_curves* curv
 static wisp_status check_curves( const render_curves* curves, int number, wisp_error* error )
 {
     body_name body = name_of( "curves", curves->name, number );
-    wisp_status status = check_offsets( &body, curves, error );
-    int count = status == WISP_OK ? curves->offsets[curves->strand_count] : 0;
-    if ( status == WISP_OK )
-    {
-        status = check_points( &body, curves->points, count, error );
-    }
-    if ( status == WISP_OK )
-    {
-        status = check_colours( &body, curves->colour, curves->colours, count, error );
-    }
-    return status == WISP_OK ? check_radii( &body, curves, error ) : status;
+    WISP_TRY( check_offsets( &body, curves, error ) );
+    const int count = curves->offsets[curves->strand_count];
+    WISP_TRY( check_points( &body, curves->points, count, error ) );
+    WISP_TRY( check_colours( &body, curves->colour, curves->colours, count, error ) );
+    return check_radii( &body, curves, error );
 }
 
 // ---- points ----------------------------------------------------------------------------------------------------
@@ -307,20 +302,20 @@ wisp_status check_scene( const render_scene* scene, wisp_error* error )
         return wisp_fail( error, WISP_BAD_INPUT, "picture: %d sets of points do not fit their array",
                           scene->points_count );
     }
-    wisp_status status = check_surroundings( scene, error );
-    for ( int i = 0; i < scene->mesh_count && status == WISP_OK; ++i )
+    WISP_TRY( check_surroundings( scene, error ) );
+    for ( int i = 0; i < scene->mesh_count; ++i )
     {
-        status = check_mesh( &scene->meshes[i], i, error );
+        WISP_TRY( check_mesh( &scene->meshes[i], i, error ) );
     }
-    for ( int i = 0; i < scene->curves_count && status == WISP_OK; ++i )
+    for ( int i = 0; i < scene->curves_count; ++i )
     {
-        status = check_curves( &scene->curves[i], i, error );
+        WISP_TRY( check_curves( &scene->curves[i], i, error ) );
     }
-    for ( int i = 0; i < scene->points_count && status == WISP_OK; ++i )
+    for ( int i = 0; i < scene->points_count; ++i )
     {
-        status = check_balls( &scene->points[i], i, error );
+        WISP_TRY( check_balls( &scene->points[i], i, error ) );
     }
-    return status;
+    return WISP_OK;
 }
 
 wisp_status check_camera( const render_camera* camera, wisp_error* error )

@@ -38,6 +38,11 @@ static void put_fact( const char* name, const char* text, FILE* stream )
 }
 
 // Nothing but the date changes between two runs of one build on one machine; the clock rate would.
+static const char* known( const char* text )
+{
+    return text[0] ? text : "unknown";
+}
+
 static void put_info( const machine_info* machine, FILE* stream )
 {
     char text[512], memory[40];
@@ -48,12 +53,11 @@ static void put_info( const machine_info* machine, FILE* stream )
     put_fact( "machine", text, stream );
     put_fact( "system", machine->os, stream );
     put_fact( "kernels", machine->isa, stream );
-    snprintf( text, sizeof text, "wisp %s (%s), %s, %s", machine->version ? machine->version : "unknown",
-              machine->commit ? machine->commit : "unknown", machine->compiler ? machine->compiler : "unknown",
-              machine->build_type ? machine->build_type : "unknown" );
+    snprintf( text, sizeof text, "wisp %s (%s), %s, %s", known( machine->version ), known( machine->commit ),
+              known( machine->compiler ), known( machine->build_type ) );
     put_fact( "build", text, stream );
-    put_fact( "date", machine->date[0] ? machine->date : "unknown", stream );
-    put_fact( "flags", machine->flags ? machine->flags : "unknown", stream );
+    put_fact( "date", known( machine->date ), stream );
+    put_fact( "flags", known( machine->flags ), stream );
     fputs( "</dl>\n", stream );
 }
 

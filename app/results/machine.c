@@ -92,10 +92,10 @@ machine_info machine_describe( const char* isa )
         .host = "unknown",
         .version = WISP_VERSION_STRING,
         .commit = WISP_BUILD_COMMIT,
-        .compiler = WISP_BUILD_COMPILER,
-        .flags = WISP_BUILD_FLAGS,
         .build_type = WISP_BUILD_TYPE,
     };
+    snprintf( info.compiler, sizeof info.compiler, "%s", WISP_BUILD_COMPILER );
+    snprintf( info.flags, sizeof info.flags, "%s", WISP_BUILD_FLAGS );
     snprintf( info.isa, sizeof( info.isa ), "%s", isa );
     describe_system( &info );
     describe_flags( &info );

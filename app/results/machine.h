@@ -13,11 +13,11 @@ typedef struct machine_info
     char cpu_flags[256]; ///< vector instruction sets of the processor, as the kernel names them
     char date[24];       ///< of the description, in UTC as 2026-01-31T23:59:59Z
 
-    const char* version;    ///< of this program
-    const char* commit;     ///< "unknown" outside a git checkout
-    const char* compiler;   ///< name and version
-    const char* flags;      ///< those that affect speed and rounding
-    const char* build_type; ///< meson's
+    char version[32];    ///< of this program
+    char commit[64];     ///< "unknown" outside a git checkout
+    char compiler[128];  ///< name and version
+    char flags[1000];    ///< those that affect speed and rounding
+    char build_type[32]; ///< meson's
 } machine_info;
 
 /// The instruction sets whose kernels this build has, such as "baseline avx2 avx512".

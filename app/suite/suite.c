@@ -190,19 +190,17 @@ static wisp_status read_runs_of( const suite_reader* r, const text_node* block, 
                                  const suite_row* of, suite_runs* out )
 {
     suite_run run = { .file = values[REFERENCE_FILE], .set = values[REFERENCE_SET], .of = of };
-    wisp_status status = out->fine.text ? WISP_OK : suite_read_run( r, &run, "reference", &out->fine );
-    status = status == WISP_OK
-                 ? check_own_substeps( r, &out->fine, values[REFERENCE_SET] ? values[REFERENCE_SET] : block )
-                 : status;
-    if ( status == WISP_OK && values[REFERENCE_EXTRAPOLATE] )
+    WISP_TRY( out->fine.text ? WISP_OK : suite_read_run( r, &run, "reference", &out->fine ) );
+    WISP_TRY( check_own_substeps( r, &out->fine, values[REFERENCE_SET] ? values[REFERENCE_SET] : block ) );
+    if ( values[REFERENCE_EXTRAPOLATE] )
     {
         return read_halves( r, run, values[REFERENCE_EXTRAPOLATE], out );
     }
     run.coarser = values[REFERENCE_CHECK];
-    status = status == WISP_OK ? suite_read_run( r, &run, "reference, check", &out->check ) : status;
-    return status == WISP_OK && strcmp( out->check.text, out->fine.text ) == 0
+    WISP_TRY( suite_read_run( r, &run, "reference, check", &out->check ) );
+    return strcmp( out->check.text, out->fine.text ) == 0
                ? suite_refuse( r, run.coarser, "expected a coarser run; the reference would be certain of itself" )
-               : status;
+               : WISP_OK;
 }
 
 static int find_runs( const wisp_suite* suite, const suite_row* fine )
@@ -366,26 +364,20 @@ static wisp_status read_suite( suite_reader* r )
     }
     r->seconds = values[KEY_SECONDS];
     r->axes = values[KEY_AXES];
-    wisp_status status = read_texts( r, values[KEY_TITLE], values[KEY_NOTE] );
-    status = status == WISP_OK && values[KEY_CHECKS]
-                 ? suite_read_checks( r, values[KEY_CHECKS], &r->checks, &r->limits )
-                 : status;
-    status = status == WISP_OK && r->axes ? suite_check_axes( r ) : status;
-    if ( status == WISP_OK && values[KEY_BUDGETS] )
+    WISP_TRY( read_texts( r, values[KEY_TITLE], values[KEY_NOTE] ) );
+    WISP_TRY( values[KEY_CHECKS] ? suite_read_checks( r, values[KEY_CHECKS], &r->checks, &r->limits ) : WISP_OK );
+    WISP_TRY( r->axes ? suite_check_axes( r ) : WISP_OK );
+    WISP_TRY( values[KEY_BUDGETS] ? suite_read_budgets( r, values[KEY_BUDGETS], r->budgets ) : WISP_OK );
+    for ( const text_node* n = text_first( scenes ); n; n = n->next )
     {
-        status = suite_read_budgets( r, values[KEY_BUDGETS], r->budgets );
+        WISP_TRY( suite_read_entry( r, n ) );
     }
-    for ( const text_node* n = text_first( scenes ); n && status == WISP_OK; n = n->next )
-    {
-        status = suite_read_entry( r, n );
-    }
-    status =
-        status == WISP_OK ? suite_mark_rows( r, values[KEY_KNOWN], values[KEY_QUICK], values[KEY_LONG] ) : status;
+    WISP_TRY( suite_mark_rows( r, values[KEY_KNOWN], values[KEY_QUICK], values[KEY_LONG] ) );
     for ( int i = 0; i < r->out->row_count; ++i )
     {
         r->out->has_checks = r->out->has_checks || r->out->rows[i].checks != 0;
     }
-    return status == WISP_OK && values[KEY_REFERENCE] ? read_reference( r, values[KEY_REFERENCE] ) : status;
+    return values[KEY_REFERENCE] ? read_reference( r, values[KEY_REFERENCE] ) : WISP_OK;
 }
 
 // Two rows of one name and variant could not be told apart in a base.

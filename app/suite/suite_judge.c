@@ -335,18 +335,18 @@ static wisp_status mark_list( const suite_reader* r, const text_node* list, bool
 wisp_status suite_mark_rows( const suite_reader* r, const text_node* known, const text_node* quick,
                              const text_node* slow )
 {
-    wisp_status status = find_same( r );
-    if ( status == WISP_OK && known && known->kind != TEXT_MAP )
+    WISP_TRY( find_same( r ) );
+    if ( known && known->kind != TEXT_MAP )
     {
         return suite_refuse( r, known,
                              "expected rows and the checks that they break, such as { \"sheet\": strain }" );
     }
-    for ( const text_node* n = known ? text_first( known ) : NULL; n && status == WISP_OK; n = n->next )
+    for ( const text_node* n = known ? text_first( known ) : NULL; n; n = n->next )
     {
-        status = mark_known( r, n );
+        WISP_TRY( mark_known( r, n ) );
     }
-    status = status == WISP_OK && quick ? mark_list( r, quick, false ) : status;
-    return status == WISP_OK && slow ? mark_list( r, slow, true ) : status;
+    WISP_TRY( quick ? mark_list( r, quick, false ) : WISP_OK );
+    return slow ? mark_list( r, slow, true ) : WISP_OK;
 }
 
 // ---- a row is run and checked ----

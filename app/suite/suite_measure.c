@@ -33,6 +33,7 @@ typedef struct work
     int count, largest;
     wisp_mesh_query* queries;   // [largest]
     wisp_mesh_nearest* nearest; // [largest]
+    io_memory memory;
 } work;
 
 // As contact has it.
@@ -70,7 +71,7 @@ static wisp_status add_balloon( const scene_world* world, int surface, work* w, 
     const int number = world->scene->strands_count + surface;
     const scene_body body = scene_world_body( world, number );
     balloon* b = &w->balloons[w->count++];
-    *b = ( balloon ){ .points = malloc( (size_t)body.vertex_count * sizeof( wisp_vec3 ) ),
+    *b = ( balloon ){ .points = io_get( &w->memory, (size_t)body.vertex_count * sizeof( wisp_vec3 ) ),
                       .count = body.vertex_count };
     w->largest = body.vertex_count > w->largest ? body.vertex_count : w->largest;
     WISP_TRY( b->points ? scene_world_points( world, number, b->points, error )
@@ -157,34 +158,39 @@ static void find_wall( work* w, suite_overlap* out )
     out->wall_unevenness = count > 0 ? sqrt( fmax( squares / count - mean * mean, 0.0 ) ) : NAN;
 }
 
+static wisp_status find_overlap( const scene_world* world, work* w, suite_overlap* out, wisp_error* error )
+{
+    const int surfaces = world->scene->surface_count;
+    w->balloons = io_get( &w->memory, (size_t)surfaces * sizeof *w->balloons );
+    WISP_TRY( w->balloons ? WISP_OK : wisp_fail( error, WISP_NO_MEMORY, "no memory for balloons" ) );
+    for ( int i = 0; i < surfaces; ++i )
+    {
+        WISP_TRY( world->scene->surfaces[i].has_balloon ? add_balloon( world, i, w, error ) : WISP_OK );
+    }
+    w->queries = io_get( &w->memory, (size_t)w->largest * sizeof *w->queries );
+    w->nearest = io_get( &w->memory, (size_t)w->largest * sizeof *w->nearest );
+    if ( w->memory.is_short )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "no memory to measure how balloons overlap" );
+    }
+    if ( w->count > 1 )
+    {
+        find_depth( w, out );
+        find_wall( w, out );
+    }
+    return WISP_OK;
+}
+
 wisp_status suite_overlap_find( const scene_world* world, suite_overlap* out, wisp_error* error )
 {
     *out = ( suite_overlap ){ .wall_radius = NAN, .wall_unevenness = NAN };
-    work w = { .balloons = calloc( (size_t)world->scene->surface_count + 1, sizeof( balloon ) ) };
-    wisp_status status = w.balloons ? WISP_OK : wisp_fail( error, WISP_NO_MEMORY, "no memory for balloons" );
-    for ( int i = 0; i < world->scene->surface_count && status == WISP_OK; ++i )
-    {
-        status = world->scene->surfaces[i].has_balloon ? add_balloon( world, i, &w, error ) : WISP_OK;
-    }
-    w.queries = malloc( (size_t)w.largest * sizeof *w.queries + 1 );
-    w.nearest = malloc( (size_t)w.largest * sizeof *w.nearest + 1 );
-    if ( status == WISP_OK && ( w.queries == NULL || w.nearest == NULL ) )
-    {
-        status = wisp_fail( error, WISP_NO_MEMORY, "no memory to measure how balloons overlap" );
-    }
-    if ( status == WISP_OK && w.count > 1 )
-    {
-        find_depth( &w, out );
-        find_wall( &w, out );
-    }
+    work w = { .count = 0 };
+    const wisp_status status = find_overlap( world, &w, out, error );
     for ( int i = 0; i < w.count; ++i )
     {
         wisp_collision_mesh_release( w.balloons[i].mesh );
-        free( w.balloons[i].points );
     }
-    free( w.balloons );
-    free( w.queries );
-    free( w.nearest );
+    io_release( &w.memory );
     return status;
 }
 

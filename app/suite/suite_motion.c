@@ -1,6 +1,5 @@
 #include "suite_motion.h"
 
-#include "io_file.h"
 #include "suite_compare.h"
 
 #include "wisp/module/definition.h"
@@ -23,18 +22,7 @@ int suite_motion_points( const suite_motion* motion )
 
 static void release_motion( suite_motion* motion )
 {
-    for ( int i = 0; i < motion->body_count; ++i )
-    {
-        free( (void*)(uintptr_t)motion->bodies[i].name );
-        free( (void*)(uintptr_t)motion->bodies[i].triangles );
-        free( (void*)(uintptr_t)motion->bodies[i].offsets );
-    }
-    free( motion->bodies );
-    free( motion->first );
-    free( motion->start );
-    free( motion->points );
-    free( motion->times );
-    free( motion->energies );
+    io_release( &motion->memory );
     *motion = ( suite_motion ){ 0 };
 }
 
@@ -127,57 +115,48 @@ static wisp_status choose_times( const suite_references* references, int number,
 
 // ---- bodies ----
 
-static void* copy_of( const void* from, size_t size )
-{
-    void* to = from ? malloc( size ) : NULL;
-    return to ? memcpy( to, from, size ) : NULL;
-}
-
 // Copy the description of a body.
-static wisp_status add_body( suite_motion* motion, const wisp_record_body* from, wisp_error* error )
+static void add_body( suite_motion* motion, const wisp_record_body* from )
 {
+    io_memory* memory = &motion->memory;
     wisp_record_body* to = &motion->bodies[motion->body_count];
     *to = *from;
-    to->name = copy_of( from->name, strlen( from->name ) + 1 );
-    to->triangles = copy_of( from->triangles, 3 * (size_t)from->triangle_count * sizeof *from->triangles );
-    to->offsets = copy_of( from->offsets, ( (size_t)from->strand_count + 1 ) * sizeof *from->offsets );
+    to->name = io_copy( memory, from->name, strlen( from->name ) + 1 );
+    to->triangles = io_copy( memory, from->triangles, 3 * (size_t)from->triangle_count * sizeof *from->triangles );
+    to->offsets = io_copy( memory, from->offsets, ( (size_t)from->strand_count + 1 ) * sizeof *from->offsets );
     motion->first[motion->body_count + 1] = motion->first[motion->body_count] + from->vertex_count;
     ++motion->body_count;
-    const bool has_all = to->name && ( to->triangles || !from->triangles ) && ( to->offsets || !from->offsets );
-    return has_all ? WISP_OK : wisp_fail( error, WISP_NO_MEMORY, "no memory for the bodies of a motion" );
+}
+
+static wisp_status check_memory( const suite_motion* motion, wisp_error* error )
+{
+    return motion->memory.is_short ? wisp_fail( error, WISP_NO_MEMORY, "no memory for a motion" ) : WISP_OK;
 }
 
 static wisp_status reserve_bodies( suite_motion* motion, int count, wisp_error* error )
 {
-    motion->bodies = calloc( (size_t)count + 1, sizeof *motion->bodies );
-    motion->first = calloc( (size_t)count + 1, sizeof *motion->first );
-    return motion->bodies && motion->first
-               ? WISP_OK
-               : wisp_fail( error, WISP_NO_MEMORY, "no memory for the bodies of a motion" );
+    motion->bodies = io_get( &motion->memory, ( (size_t)count + 1 ) * sizeof *motion->bodies );
+    motion->first = io_get( &motion->memory, ( (size_t)count + 1 ) * sizeof *motion->first );
+    return check_memory( motion, error );
 }
 
-// @return where the points of the next frame go; null without memory
+// Of the bodies that have been added.
+static wisp_status reserve_frames( suite_motion* motion, int frames, wisp_error* error )
+{
+    const size_t points = (size_t)suite_motion_points( motion ), count = (size_t)frames + 1;
+    motion->start = io_get( &motion->memory, ( points + 1 ) * sizeof *motion->start );
+    motion->points = io_get( &motion->memory, count * points * sizeof *motion->points );
+    motion->times = io_get( &motion->memory, count * sizeof *motion->times );
+    motion->energies = io_get( &motion->memory, count * sizeof *motion->energies );
+    return check_memory( motion, error );
+}
+
+// @return where the points of the next frame go
 static wisp_vec3* add_frame( suite_motion* motion, double time )
 {
-    const size_t n = (size_t)suite_motion_points( motion );
-    if ( motion->frame_count == motion->frame_capacity )
-    {
-        const int capacity = motion->frame_capacity > 0 ? 2 * motion->frame_capacity : 8;
-        wisp_vec3* points = realloc( motion->points, ( (size_t)capacity * n + 1 ) * sizeof *points );
-        motion->points = points ? points : motion->points;
-        double* times = realloc( motion->times, (size_t)capacity * sizeof *times );
-        motion->times = times ? times : motion->times;
-        wisp_vec3* energies = realloc( motion->energies, (size_t)capacity * sizeof *energies );
-        motion->energies = energies ? energies : motion->energies;
-        if ( points == NULL || times == NULL || energies == NULL )
-        {
-            return NULL;
-        }
-        motion->frame_capacity = capacity;
-    }
     motion->times[motion->frame_count] = time;
     motion->energies[motion->frame_count] = ( wisp_vec3 ){ NAN, NAN, 0.0f };
-    return motion->points + n * (size_t)motion->frame_count++;
+    return motion->points + (size_t)suite_motion_points( motion ) * (size_t)motion->frame_count++;
 }
 
 // ---- a run ----
@@ -189,11 +168,11 @@ typedef struct frame_recorder
     const suite_observer* also; // null: nobody
 } frame_recorder;
 
-static wisp_status begin( suite_motion* motion, const scene_world* world, wisp_error* error )
+static wisp_status begin( suite_motion* motion, const scene_world* world, int frames, wisp_error* error )
 {
     const int count = scene_world_moving_count( world );
-    wisp_status status = reserve_bodies( motion, count, error );
-    for ( int i = 0; i < count && status == WISP_OK; ++i )
+    WISP_TRY( reserve_bodies( motion, count, error ) );
+    for ( int i = 0; i < count; ++i )
     {
         const scene_body body = scene_world_body( world, i );
         const wisp_record_body copied = {
@@ -204,14 +183,14 @@ static wisp_status begin( suite_motion* motion, const scene_world* world, wisp_e
             .triangle_count = body.triangle_count,
             .strand_count = body.strand_count,
         };
-        status = add_body( motion, &copied, error );
+        add_body( motion, &copied );
     }
-    motion->start = calloc( (size_t)suite_motion_points( motion ) + 1, sizeof *motion->start );
-    for ( int i = 0; i < count && status == WISP_OK && motion->start; ++i )
+    WISP_TRY( reserve_frames( motion, frames, error ) );
+    for ( int i = 0; i < count; ++i )
     {
-        status = scene_world_points( world, i, motion->start + motion->first[i], error );
+        WISP_TRY( scene_world_points( world, i, motion->start + motion->first[i], error ) );
     }
-    return motion->start ? status : wisp_fail( error, WISP_NO_MEMORY, "no memory for the start of a motion" );
+    return WISP_OK;
 }
 
 static wisp_vec3 energies_of( const scene_world* world )
@@ -232,10 +211,6 @@ static wisp_vec3 energies_of( const scene_world* world )
 static wisp_status keep_frame( suite_motion* motion, const scene_world* world, double time, wisp_error* error )
 {
     wisp_vec3* points = add_frame( motion, time );
-    if ( points == NULL )
-    {
-        return wisp_fail( error, WISP_NO_MEMORY, "no memory for the frames of a motion" );
-    }
     motion->energies[motion->frame_count - 1] = energies_of( world );
     for ( int i = 0; i < motion->body_count; ++i )
     {
@@ -247,10 +222,10 @@ static wisp_status keep_frame( suite_motion* motion, const scene_world* world, d
 static wisp_status observe( void* user, const scene_world* world, wisp_error* error )
 {
     frame_recorder* r = user;
-    const wisp_status status = r->also ? r->also->observe( r->also->user, world, error ) : WISP_OK;
-    if ( world->next_step == 0 || status != WISP_OK )
+    WISP_TRY( r->also ? r->also->observe( r->also->user, world, error ) : WISP_OK );
+    if ( world->next_step == 0 )
     {
-        return status == WISP_OK ? begin( r->motion, world, error ) : status;
+        return begin( r->motion, world, r->times->count, error );
     }
     const double time = scene_world_time( world ), near = SAME_TIME * (double)world->scene->dt;
     const int next = r->motion->frame_count;
@@ -320,36 +295,51 @@ static wisp_status read_frames( wisp_recording* recording, const char* path, con
 {
     const wisp_recording_info info = wisp_recording_describe( recording );
     // a file of our own has energies in its last body
-    wisp_vec3 unused, **places = calloc( (size_t)info.body_count, sizeof *places );
-    wisp_status status =
-        places ? WISP_OK : wisp_fail( error, WISP_NO_MEMORY, "no memory for the frames of a motion" );
-    for ( int frame = 0; frame < info.frame_count && out->frame_count < times->count && status == WISP_OK; ++frame )
+    wisp_vec3 unused, **places = io_get( &out->memory, (size_t)info.body_count * sizeof *places );
+    WISP_TRY( check_memory( out, error ) );
+    for ( int frame = 0; frame < info.frame_count && out->frame_count < times->count; ++frame )
     {
         double time = 0.0;
-        status = wisp_recording_frame( recording, frame, NULL, &time, NULL, error );
+        WISP_TRY( wisp_recording_frame( recording, frame, NULL, &time, NULL, error ) );
         const double wanted = times->at[out->frame_count], near = SAME_TIME * info.dt;
-        if ( status != WISP_OK || ( frame > 0 && time < wanted - near ) || time > wanted + near )
+        if ( ( frame > 0 && time < wanted - near ) || time > wanted + near )
         {
             continue;
         }
         wisp_vec3* points = frame == 0 ? out->start : add_frame( out, wanted );
-        for ( int i = 0; i < out->body_count && points; ++i )
+        for ( int i = 0; i < out->body_count; ++i )
         {
             places[i] = points + out->first[i];
         }
-        if ( places && out->body_count < info.body_count )
+        if ( out->body_count < info.body_count )
         {
-            places[out->body_count] = frame == 0 || points == NULL ? &unused : &out->energies[out->frame_count - 1];
+            places[out->body_count] = frame == 0 ? &unused : &out->energies[out->frame_count - 1];
         }
-        status = points ? wisp_recording_frame( recording, frame, places, NULL, NULL, error )
-                        : wisp_fail( error, WISP_NO_MEMORY, "no memory for the frames of a motion" );
+        WISP_TRY( wisp_recording_frame( recording, frame, places, NULL, NULL, error ) );
     }
-    free( places );
-    return status != WISP_OK || out->frame_count == times->count
-               ? status
+    return out->frame_count == times->count
+               ? WISP_OK
                : wisp_fail( error, WISP_BAD_INPUT,
                             "%s: the recording has no frame at %.6g s, where motions are compared", path,
                             times->at[out->frame_count] );
+}
+
+static wisp_status read_bodies( wisp_recording* recording, const char* path, const suite_times* times,
+                                suite_motion* out, wisp_error* error )
+{
+    const wisp_recording_info info = wisp_recording_describe( recording );
+    WISP_TRY( info.frame_count > 0 ? reserve_bodies( out, info.body_count, error )
+                                   : wisp_fail( error, WISP_BAD_INPUT, "%s: the recording has no frame", path ) );
+    for ( int i = 0; i < info.body_count; ++i )
+    {
+        const wisp_record_body* body = wisp_recording_body( recording, i );
+        if ( i == 0 || i < info.body_count - 1 || body->vertex_count != 1 || strcmp( body->name, ENERGIES ) != 0 )
+        {
+            add_body( out, body );
+        }
+    }
+    WISP_TRY( reserve_frames( out, times->count, error ) );
+    return read_frames( recording, path, times, out, error );
 }
 
 // Read a recording. @param out to be released, after a failure too
@@ -359,23 +349,7 @@ static wisp_status read_motion( const char* path, const suite_times* times, suit
     *out = ( suite_motion ){ 0 };
     wisp_recording* recording = NULL;
     WISP_TRY( wisp_recording_open( path, &recording, error ) );
-    const wisp_recording_info info = wisp_recording_describe( recording );
-    wisp_status status = info.frame_count > 0
-                             ? reserve_bodies( out, info.body_count, error )
-                             : wisp_fail( error, WISP_BAD_INPUT, "%s: the recording has no frame", path );
-    for ( int i = 0; i < info.body_count && status == WISP_OK; ++i )
-    {
-        const wisp_record_body* body = wisp_recording_body( recording, i );
-        const bool is_energies =
-            i > 0 && i == info.body_count - 1 && body->vertex_count == 1 && strcmp( body->name, ENERGIES ) == 0;
-        status = is_energies ? WISP_OK : add_body( out, body, error );
-    }
-    out->start = status == WISP_OK ? calloc( (size_t)suite_motion_points( out ) + 1, sizeof *out->start ) : NULL;
-    if ( status == WISP_OK )
-    {
-        status = out->start ? read_frames( recording, path, times, out, error )
-                            : wisp_fail( error, WISP_NO_MEMORY, "no memory for the start of a motion" );
-    }
+    const wisp_status status = read_bodies( recording, path, times, out, error );
     wisp_recording_close( recording );
     return status;
 }
@@ -396,33 +370,28 @@ static wisp_status write_frames( const suite_motion* motion, wisp_recorder* reco
 {
     const size_t n = (size_t)suite_motion_points( motion );
     const wisp_vec3 none = { 0.0f, 0.0f, 0.0f };
-    wisp_status status = write_frame( motion, motion->start, &none, 0.0, recorder, places, error );
-    for ( int i = 0; i < motion->frame_count && status == WISP_OK; ++i )
+    WISP_TRY( write_frame( motion, motion->start, &none, 0.0, recorder, places, error ) );
+    for ( int i = 0; i < motion->frame_count; ++i )
     {
-        status = write_frame( motion, motion->points + (size_t)i * n, motion->energies + i, motion->times[i],
-                              recorder, places, error );
+        WISP_TRY( write_frame( motion, motion->points + (size_t)i * n, motion->energies + i, motion->times[i],
+                               recorder, places, error ) );
     }
-    return status;
+    return WISP_OK;
 }
 
-static wisp_status write_motion( const suite_motion* motion, const char* path, wisp_error* error )
+static wisp_status write_motion( suite_motion* motion, const char* path, wisp_error* error )
 {
     const size_t count = (size_t)motion->body_count + 1;
     wisp_recorder* recorder = NULL;
-    wisp_record_body* bodies = calloc( count, sizeof *bodies );
-    const wisp_vec3** places = calloc( count, sizeof *places );
-    wisp_status status = bodies && places ? WISP_OK : wisp_fail( error, WISP_NO_MEMORY, "no memory for a recording" );
-    if ( status == WISP_OK )
-    {
-        memcpy( bodies, motion->bodies, (size_t)motion->body_count * sizeof *bodies );
-        bodies[motion->body_count] = ( wisp_record_body ){ .name = ENERGIES, .vertex_count = 1 };
-        const wisp_recorder_def def = { .bodies = bodies, .body_count = (int)count, .dt = motion->times[0] };
-        status = wisp_recorder_open( path, WISP_RECORD_WISP, &def, &recorder, error );
-        status = status == WISP_OK ? write_frames( motion, recorder, places, error ) : status;
-    }
+    wisp_record_body* bodies = io_get( &motion->memory, count * sizeof *bodies );
+    const wisp_vec3** places = io_get( &motion->memory, count * sizeof *places );
+    WISP_TRY( check_memory( motion, error ) );
+    memcpy( bodies, motion->bodies, (size_t)motion->body_count * sizeof *bodies );
+    bodies[motion->body_count] = ( wisp_record_body ){ .name = ENERGIES, .vertex_count = 1 };
+    const wisp_recorder_def def = { .bodies = bodies, .body_count = (int)count, .dt = motion->times[0] };
+    wisp_status status = wisp_recorder_open( path, WISP_RECORD_WISP, &def, &recorder, error );
+    status = status == WISP_OK ? write_frames( motion, recorder, places, error ) : status;
     const wisp_status closed = wisp_recorder_close( recorder, status == WISP_OK ? error : NULL );
-    free( places );
-    free( bodies );
     return status == WISP_OK ? closed : status;
 }
 

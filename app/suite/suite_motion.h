@@ -1,6 +1,7 @@
 /// The motion of a scene: all points at some times, in memory and as recordings.
 #pragma once
 
+#include "io_file.h"
 #include "record.h"
 #include "suite_measure.h"
 
@@ -20,7 +21,8 @@ typedef struct suite_motion
     double* times;     ///< [frame_count] s
     wisp_vec3*
         energies; ///< [frame_count] J: kinetic, potential, 0; NaN in a recording that another program has written
-    int frame_count, frame_capacity;
+    int frame_count;
+    io_memory memory; ///< of all these
 } suite_motion;
 
 int suite_motion_points( const suite_motion* motion );

@@ -375,25 +375,25 @@ static wisp_status sweep_pair( suite_reader* r, const entry* e, const text_node*
 static wisp_status sweep( suite_reader* r, const entry* e )
 {
     const text_node *axes = e->values[ENTRY_SWEEP], *pairs = e->values[ENTRY_PAIRS], *axis = NULL, *other = NULL;
-    wisp_status status = read_swept( r, e, NULL, NULL );
-    for ( const text_node* n = text_first( axes ); n && status == WISP_OK; n = n->next )
+    WISP_TRY( read_swept( r, e, NULL, NULL ) );
+    for ( const text_node* n = text_first( axes ); n; n = n->next )
     {
-        status = find_axis( r, n, &axis );
-        for ( int i = 0; status == WISP_OK && i < axis->count; ++i )
+        WISP_TRY( find_axis( r, n, &axis ) );
+        for ( int i = 0; i < axis->count; ++i )
         {
-            status = read_swept( r, e, nth( axis, i ), NULL );
+            WISP_TRY( read_swept( r, e, nth( axis, i ), NULL ) );
         }
     }
-    for ( const text_node* n = pairs ? text_first( pairs ) : NULL; n && status == WISP_OK; n = n->next )
+    for ( const text_node* n = pairs ? text_first( pairs ) : NULL; n; n = n->next )
     {
-        status = find_axis( r, n, &axis );
-        for ( const text_node* m = n->next; m && status == WISP_OK; m = m->next )
+        WISP_TRY( find_axis( r, n, &axis ) );
+        for ( const text_node* m = n->next; m; m = m->next )
         {
-            status = find_axis( r, m, &other );
-            status = status == WISP_OK ? sweep_pair( r, e, axis, other ) : status;
+            WISP_TRY( find_axis( r, m, &other ) );
+            WISP_TRY( sweep_pair( r, e, axis, other ) );
         }
     }
-    return status;
+    return WISP_OK;
 }
 
 static wisp_status check_sweep( const suite_reader* r, const entry* e )
@@ -481,44 +481,38 @@ static wisp_status check_along( const suite_reader* r, const entry* e )
 static wisp_status check_settings( const suite_reader* r, entry* e )
 {
     const text_node *const *v = e->values, *steps = v[ENTRY_STEPS];
-    wisp_status status = check_number( r, steps, 1.0, 1e6, "a number of steps, 1 to 1000000" );
-    status = status == WISP_OK ? check_number( r, v[ENTRY_ORDER], 0.1, 8.0, "an order, 0.1 to 8" ) : status;
-    status = status == WISP_OK ? check_number( r, e->values[ENTRY_SECONDS], 1e-9, 1e9, "seconds of simulated time" )
-                               : status;
-    status = status == WISP_OK && v[ENTRY_AGREE]
-                 ? check_number( r, v[ENTRY_AGREE], 1e-9, 1.0, "a part of the size of the first body, up to 1" )
-                 : status;
-    if ( status == WISP_OK && steps && suite_number_of( steps ) != floor( suite_number_of( steps ) ) )
+    WISP_TRY( check_number( r, steps, 1.0, 1e6, "a number of steps, 1 to 1000000" ) );
+    WISP_TRY( check_number( r, v[ENTRY_ORDER], 0.1, 8.0, "an order, 0.1 to 8" ) );
+    WISP_TRY( check_number( r, v[ENTRY_SECONDS], 1e-9, 1e9, "seconds of simulated time" ) );
+    WISP_TRY( v[ENTRY_AGREE]
+                  ? check_number( r, v[ENTRY_AGREE], 1e-9, 1.0, "a part of the size of the first body, up to 1" )
+                  : WISP_OK );
+    if ( steps && suite_number_of( steps ) != floor( suite_number_of( steps ) ) )
     {
         return suite_refuse( r, steps, "expected a number of steps, 1 to 1000000" );
     }
-    if ( status == WISP_OK && steps && v[ENTRY_SECONDS] && v[ENTRY_SECONDS] != r->seconds )
+    if ( steps && v[ENTRY_SECONDS] && v[ENTRY_SECONDS] != r->seconds )
     {
         return suite_refuse( r, steps, "expected steps or seconds, not both" );
     }
-    if ( status == WISP_OK && v[ENTRY_SET] && v[ENTRY_SET]->kind != TEXT_MAP )
+    if ( v[ENTRY_SET] && v[ENTRY_SET]->kind != TEXT_MAP )
     {
         return suite_refuse( r, v[ENTRY_SET], "expected fields and their values, such as { steps: 60 }" );
     }
-    if ( status == WISP_OK && v[ENTRY_VARY] &&
-         ( v[ENTRY_VARY]->kind != TEXT_MAP || v[ENTRY_VARY]->count > SUITE_MAX_SETTINGS ) )
+    if ( v[ENTRY_VARY] && ( v[ENTRY_VARY]->kind != TEXT_MAP || v[ENTRY_VARY]->count > SUITE_MAX_SETTINGS ) )
     {
         return suite_refuse( r, v[ENTRY_VARY],
                              "expected up to %d fields and lists of values, such as { substeps: [4, 10] }",
                              (int)SUITE_MAX_SETTINGS );
     }
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
     e->seconds = v[ENTRY_SECONDS] && steps == NULL ? suite_number_of( v[ENTRY_SECONDS] ) : 0.0;
     e->order = v[ENTRY_ORDER] ? suite_number_of( v[ENTRY_ORDER] ) : NAN;
     e->rows = 1;
-    status = check_along( r, e );
-    status = status == WISP_OK ? check_lists( r, v[ENTRY_VARY], &e->rows ) : status;
-    status = status == WISP_OK ? check_lists( r, v[ENTRY_ALONG], &e->rows ) : status;
-    return status != WISP_OK || e->rows + r->out->row_count <= SUITE_MAX_ROWS
-               ? status
+    WISP_TRY( check_along( r, e ) );
+    WISP_TRY( check_lists( r, v[ENTRY_VARY], &e->rows ) );
+    WISP_TRY( check_lists( r, v[ENTRY_ALONG], &e->rows ) );
+    return e->rows + r->out->row_count <= SUITE_MAX_ROWS
+               ? WISP_OK
                : suite_refuse( r,
                                v[ENTRY_VARY]    ? v[ENTRY_VARY]
                                : v[ENTRY_ALONG] ? v[ENTRY_ALONG]

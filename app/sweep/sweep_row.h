@@ -2,6 +2,7 @@
 /// lines of any machines can be in one file.
 #pragma once
 
+#include "machine.h"
 #include "suite_measure.h"
 #include "wisp/base.h"
 
@@ -38,14 +39,10 @@ typedef struct sweep_row
     uint64_t sweep;  ///< hash of all items, and of what their errors are measured against
     int items, shards;
     char reference[200];
-    char version[32], commit[64];
 
     int shard, share; ///< the share that ran it, and how many items that has
 
-    char compiler[128], flags[300], build_type[32];
-    char cpu[128], isa[16], os[192];
-    int cores;
-    double memory_bytes;
+    machine_info machine; ///< without what differs from run to run
 
     int item; ///< number of the row in the suite; 0: no row
     char name[SUITE_MAX_NAME], variant[SUITE_MAX_VARIANT];

@@ -114,16 +114,10 @@ static wisp_status add_strands( scene_world* out, int strands, wisp_error* error
     def.strand_count = groom->strand_count;
     def.dimension = groom->dimension;
     wisp_status status = wisp_add_strands( out->world, &def, &out->entities[strands] );
-    if ( status == WISP_OK )
-    {
-        status = scene_strands_dress( out, strands );
-    }
-    if ( status != WISP_OK )
-    {
-        return SCENE_FAIL_AT( out->scene, strands, strands, "strands", status, wisp_world_message( out->world ),
-                              error );
-    }
-    return WISP_OK;
+    status = status == WISP_OK ? scene_strands_dress( out, strands ) : status;
+    return status == WISP_OK ? WISP_OK
+                             : SCENE_FAIL_AT( out->scene, strands, strands, "strands", status,
+                                              wisp_world_message( out->world ), error );
 }
 
 // All places of a scene are relative to its origin.
@@ -131,13 +125,9 @@ static wisp_status place( scene_world* world, wisp_error* error )
 {
     const wisp_scene* scene = world->scene;
     wisp_status status = WISP_OK;
-    for ( int i = 0; i < scene->strands_count && status == WISP_OK; ++i )
+    for ( int i = 0; i < scene_world_moving_count( world ) && status == WISP_OK; ++i )
     {
-        status = wisp_set_origin( world->world, world->entities[i], scene->origin );
-    }
-    for ( int i = 0; i < scene->surface_count && status == WISP_OK; ++i )
-    {
-        status = wisp_set_origin( world->world, world->surfaces[i].entity, scene->origin );
+        status = wisp_set_origin( world->world, scene_world_entity( world, i ), scene->origin );
     }
     for ( int i = 0; i < scene->collider_count && status == WISP_OK; ++i )
     {
@@ -156,11 +146,10 @@ wisp_status scene_world_create( const wisp_scene* scene, const scene_world_optio
                             .log = options->log,
                             .log_user = options->log_user };
 
-    // One more than needed: an empty scene is valid, and an allocation of no bytes may return null.
-    size_t count = (size_t)scene->strands_count + 1;
-    out->entities = calloc( count, sizeof( wisp_entity ) );
-    out->grooms = calloc( count, sizeof( wisp_groom ) );
-    wisp_status status = out->entities && out->grooms
+    const size_t count = (size_t)scene->strands_count;
+    out->entities = io_get( &out->memory, count * sizeof *out->entities );
+    out->grooms = io_get( &out->memory, count * sizeof *out->grooms );
+    wisp_status status = !out->memory.is_short
                              ? create_world( options, out, error )
                              : wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for its strands", scene->name );
     status = status == WISP_OK ? set_contact( out, error ) : status;
@@ -468,11 +457,7 @@ void scene_world_destroy( scene_world* world )
         wisp_groom_release( &world->grooms[i] );
     }
     scene_surfaces_release( world );
-    scene_colliders_release( world );
-    free( world->grooms );
-    free( world->entities );
-    free( world->head_offsets );
-    free( world->seams );
+    io_release( &world->memory );
     free( world->notes );
     *world = ( scene_world ){ 0 };
 }

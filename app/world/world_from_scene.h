@@ -3,6 +3,7 @@
 #pragma once
 
 #include "groom.h"
+#include "io_file.h"
 #include "mesh.h"
 #include "scene.h"
 #include "wisp/fabric.h"
@@ -59,6 +60,7 @@ typedef struct scene_world_surface
     wisp_vec3 target_pivot, frame_pivot; ///< m, of the keyframes of motion targets and of the frame
     wisp_vec3* motion_targets;           ///< [vertex_count] buffer; null unless they move
     scene_animation* animation;          ///< null: none
+    io_memory memory;                    ///< of pins, groups, targets and the animation
 } scene_world_surface;
 
 /// A collider of the scene in the world.
@@ -93,6 +95,7 @@ typedef struct scene_world
     char ( *notes )
         [SCENE_NOTE_SIZE]; ///< [note_count] what has no effect or another one than it looks, and warnings, a line each
     int note_count;
+    io_memory memory;     ///< of all lists but the notes
     char late_error[500]; ///< logged as an error by a call that continued; printed after the call
 } scene_world;
 

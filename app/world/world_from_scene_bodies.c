@@ -385,7 +385,8 @@ static wisp_status grab_strands( scene_world* world, scene_hold* hold, wisp_erro
     }
     if ( !world->head_offsets )
     {
-        world->head_offsets = calloc( (size_t)world->scene->strands_count, sizeof *world->head_offsets );
+        world->head_offsets =
+            io_get( &world->memory, (size_t)world->scene->strands_count * sizeof *world->head_offsets );
     }
     if ( !world->head_offsets )
     {

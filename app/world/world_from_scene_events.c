@@ -32,10 +32,6 @@ void scene_animation_release( scene_animation* animation )
         wisp_skin_pose_release( &animation->pose, NULL );
         wisp_rig_release( &animation->rig );
         gltf_release( &animation->model );
-        free( animation->work );
-        free( animation->joints );
-        free( animation->points );
-        free( animation );
     }
 }
 
@@ -112,7 +108,7 @@ static bool has_morphs( const char* path, const wisp_scene_clip* clip, scene_ani
 }
 
 static wisp_status load_morphs( const wisp_scene_animation* entry, const char* path, int vertex_count,
-                                scene_animation* out, wisp_error* error )
+                                io_memory* memory, scene_animation* out, wisp_error* error )
 {
     if ( entry->clip_count > 1 )
     {
@@ -124,15 +120,15 @@ static wisp_status load_morphs( const wisp_scene_animation* entry, const char* p
         return wisp_fail( error, WISP_BAD_INPUT, "animation: %.200s: got %d vertices, expected %d as the mesh has",
                           path, count_of( out ), vertex_count );
     }
-    out->work = malloc( gltf_points_work( &out->model, out->node ) * sizeof *out->work );
-    out->points = malloc( (size_t)vertex_count * sizeof *out->points + 1 );
-    return out->work != NULL && out->points != NULL
+    out->work = io_get( memory, gltf_points_work( &out->model, out->node ) * sizeof *out->work );
+    out->points = io_get( memory, (size_t)vertex_count * sizeof *out->points );
+    return !memory->is_short
                ? WISP_OK
                : wisp_fail( error, WISP_NO_MEMORY, "animation: out of memory for %d vertices", vertex_count );
 }
 
-static wisp_status load( const wisp_scene* scene, int surface, int vertex_count, scene_animation* out,
-                         wisp_error* error )
+static wisp_status load( const wisp_scene* scene, int surface, int vertex_count, io_memory* memory,
+                         scene_animation* out, wisp_error* error )
 {
     const wisp_scene_surface* entry = &scene->surfaces[surface];
     const wisp_scene_surface* source = &scene->surfaces[entry->instance_of >= 0 ? entry->instance_of : surface];
@@ -141,7 +137,7 @@ static wisp_status load( const wisp_scene* scene, int surface, int vertex_count,
                                                      : NULL;
     if ( path != NULL && gltf_is_path( path ) && has_morphs( path, &entry->animation.clips[0], out ) )
     {
-        return load_morphs( &entry->animation, path, vertex_count, out, error );
+        return load_morphs( &entry->animation, path, vertex_count, memory, out, error );
     }
     WISP_TRY( wisp_rig_load( &source->mesh, &entry->animation, (float)scene->steps * scene->dt, &out->rig, error ) );
     if ( out->rig.skin->point_count != vertex_count )
@@ -151,9 +147,9 @@ static wisp_status load( const wisp_scene* scene, int surface, int vertex_count,
                           "removes none",
                           out->rig.skin->point_count, vertex_count );
     }
-    out->joints = malloc( (size_t)out->rig.skeleton.joint_count * sizeof *out->joints );
-    out->points = malloc( (size_t)vertex_count * sizeof *out->points + 1 );
-    return out->joints != NULL && out->points != NULL
+    out->joints = io_get( memory, (size_t)out->rig.skeleton.joint_count * sizeof *out->joints );
+    out->points = io_get( memory, (size_t)vertex_count * sizeof *out->points );
+    return !memory->is_short
                ? WISP_OK
                : wisp_fail( error, WISP_NO_MEMORY, "animation: out of memory for %d vertices", vertex_count );
 }
@@ -167,9 +163,10 @@ wisp_status scene_animation_load( const wisp_scene* scene, int surface, scene_wo
     }
     wisp_error cause = { 0 };
     const wisp_vec3* points = NULL;
-    s->animation = calloc( 1, sizeof *s->animation );
-    wisp_status status = s->animation != NULL ? load( scene, surface, s->mesh.vertex_count, s->animation, &cause )
-                                              : wisp_fail( &cause, WISP_NO_MEMORY, "out of memory for an animation" );
+    s->animation = io_get( &s->memory, sizeof *s->animation );
+    wisp_status status = s->animation != NULL
+                             ? load( scene, surface, s->mesh.vertex_count, &s->memory, s->animation, &cause )
+                             : wisp_fail( &cause, WISP_NO_MEMORY, "out of memory for an animation" );
     status = status == WISP_OK ? pose_clips( scene, surface, s->animation, 0.0, &points, &cause ) : status;
     for ( int v = 0; v < s->mesh.vertex_count && status == WISP_OK; ++v )
     {
@@ -211,7 +208,7 @@ static wisp_status set_motion_constraints( scene_world* world, const wisp_scene_
     s->target_pivot = entry->has_target_pivot ? entry->target_pivot : centre_of( &s->mesh );
     if ( entry->target_path.count > 0 || entry->has_animation )
     {
-        s->motion_targets = malloc( (size_t)s->mesh.vertex_count * sizeof *s->motion_targets + 1 );
+        s->motion_targets = io_get( &s->memory, (size_t)s->mesh.vertex_count * sizeof *s->motion_targets );
         if ( !s->motion_targets )
         {
             return wisp_world_fail( world->world, WISP_NO_MEMORY, "out of memory for %d motion targets",
@@ -225,22 +222,18 @@ wisp_status scene_held_set( scene_world* world, int surface )
 {
     const wisp_scene_surface* entry = &world->scene->surfaces[surface];
     scene_world_surface* s = &world->surfaces[surface];
-    wisp_status status = entry->has_motion_constraints ? set_motion_constraints( world, entry, s ) : WISP_OK;
-    if ( status == WISP_OK && entry->has_frame )
+    wisp_world* w = world->world;
+    WISP_TRY( entry->has_motion_constraints ? set_motion_constraints( world, entry, s ) : WISP_OK );
+    if ( entry->has_frame )
     {
         wisp_moving_frame_def frame = entry->frame;
         s->frame_pivot = entry->has_frame_pivot ? entry->frame_pivot : centre_of( &s->mesh );
         frame.pose.translation = s->frame_pivot;
-        status = wisp_set_moving_frame( world->world, s->entity, &frame );
+        WISP_TRY( wisp_set_moving_frame( w, s->entity, &frame ) );
     }
-    if ( status == WISP_OK && entry->max_speed < INFINITY )
-    {
-        status = wisp_set_max_speed( world->world, s->entity, entry->max_speed );
-    }
-    status =
-        status == WISP_OK && entry->has_sleep ? wisp_set_sleep( world->world, s->entity, &entry->sleep ) : status;
-    return status == WISP_OK && entry->has_detail ? wisp_set_detail( world->world, s->entity, &entry->detail )
-                                                  : status;
+    WISP_TRY( entry->max_speed < INFINITY ? wisp_set_max_speed( w, s->entity, entry->max_speed ) : WISP_OK );
+    WISP_TRY( entry->has_sleep ? wisp_set_sleep( w, s->entity, &entry->sleep ) : WISP_OK );
+    return entry->has_detail ? wisp_set_detail( w, s->entity, &entry->detail ) : WISP_OK;
 }
 
 // Move motion targets and frame of a surface to displacements from where they started.
@@ -610,20 +603,10 @@ static wisp_status follow_keyframes( scene_world* world, wisp_error* error )
 static wisp_status play_gas( scene_world* world, const wisp_scene_event* e )
 {
     wisp_entity entity = world->surfaces[e->surface].entity;
-    wisp_status status = WISP_OK;
-    if ( e->has_gas_ratio )
-    {
-        status = SCENE_CALL( world, wisp_set_balloon_gas_ratio, entity, e->gas_ratio );
-    }
-    if ( status == WISP_OK && e->has_inflation_rate )
-    {
-        status = SCENE_CALL( world, wisp_set_balloon_inflation, entity, e->inflation_rate );
-    }
-    if ( status == WISP_OK && e->has_open )
-    {
-        status = SCENE_CALL( world, wisp_open_balloon, entity, e->open );
-    }
-    return status;
+    WISP_TRY( e->has_gas_ratio ? SCENE_CALL( world, wisp_set_balloon_gas_ratio, entity, e->gas_ratio ) : WISP_OK );
+    WISP_TRY( e->has_inflation_rate ? SCENE_CALL( world, wisp_set_balloon_inflation, entity, e->inflation_rate )
+                                    : WISP_OK );
+    return e->has_open ? SCENE_CALL( world, wisp_open_balloon, entity, e->open ) : WISP_OK;
 }
 
 // BDF2 looks back on the substep before: it starts again with another velocity.
@@ -750,34 +733,26 @@ static wisp_status play_detail( scene_world* world, const wisp_scene_event* e )
 // Pins are let go first, so that a velocity reaches them too.
 static wisp_status play( scene_world* world, const wisp_scene_event* e )
 {
-    wisp_status status = e->has_detail ? play_detail( world, e ) : WISP_OK;
+    WISP_TRY( e->has_detail ? play_detail( world, e ) : WISP_OK );
     if ( e->strands >= 0 )
     {
-        return status == WISP_OK && e->has_wind
-                   ? SCENE_CALL( world, wisp_set_strand_wind, world->entities[e->strands], e->wind )
-                   : status;
+        return e->has_wind ? SCENE_CALL( world, wisp_set_strand_wind, world->entities[e->strands], e->wind )
+                           : WISP_OK;
     }
     scene_world_surface* s = &world->surfaces[e->surface];
-    status = status == WISP_OK ? play_gas( world, e ) : status;
-    for ( int g = 0; g < s->group_count && status == WISP_OK; ++g )
+    WISP_TRY( play_gas( world, e ) );
+    for ( int g = 0; g < s->group_count; ++g )
     {
         const bool is_meant = e->pin_group < 0 || e->pin_group + 1 == g;
-        status = is_meant && s->groups[g].count > 0 ? play_pins( world, e, g ) : WISP_OK;
+        WISP_TRY( is_meant && s->groups[g].count > 0 ? play_pins( world, e, g ) : WISP_OK );
     }
-    if ( status == WISP_OK && e->has_wind )
-    {
-        status = SCENE_CALL( world, wisp_set_cloth_wind, s->entity, e->wind );
-    }
-    if ( status == WISP_OK && e->has_teleport )
+    WISP_TRY( e->has_wind ? SCENE_CALL( world, wisp_set_cloth_wind, s->entity, e->wind ) : WISP_OK );
+    if ( e->has_teleport )
     {
         const wisp_transform motion = { still.rotation, e->teleport };
-        status = SCENE_CALL_2( world, wisp_teleport, s->entity, motion, (bool)true );
+        WISP_TRY( SCENE_CALL_2( world, wisp_teleport, s->entity, motion, (bool)true ) );
     }
-    if ( status == WISP_OK && ( e->has_velocity || e->has_angular_velocity || e->has_gust ) )
-    {
-        status = play_velocity( world, e );
-    }
-    return status;
+    return e->has_velocity || e->has_angular_velocity || e->has_gust ? play_velocity( world, e ) : WISP_OK;
 }
 
 wisp_status scene_events_play( scene_world* world, wisp_error* error )

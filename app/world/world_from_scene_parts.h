@@ -80,7 +80,6 @@ wisp_status scene_seam_pairs( const scene_world* world, const wisp_scene_seam* e
 /// Sew surfaces together. Call after all of them are added.
 wisp_status scene_seams_add( scene_world* world, wisp_error* error );
 wisp_status scene_colliders_add( scene_world* world, wisp_error* error );
-void scene_colliders_release( scene_world* world );
 
 /// Load the animation of a placed surface, if its entry has one, and move its mesh to the first pose.
 wisp_status scene_animation_load( const wisp_scene* scene, int surface, scene_world_surface* out, wisp_error* error );
@@ -91,7 +90,6 @@ void scene_animation_release( scene_animation* animation );
 /// @param repairs of the mesh; zero if there were none
 wisp_status scene_pins_find( const wisp_scene* scene, int surface, const wisp_mesh_repairs* repairs,
                              scene_world_surface* out, wisp_error* error );
-void scene_pins_release( scene_world_surface* surface );
 /// The entry of a surface's group. @param group 0: the surface's own pins
 const wisp_scene_pins* scene_pins_entry( const wisp_scene_surface* entry, int group );
 /// The balloon of a surface with the vertices of its outlet found.

@@ -155,14 +155,15 @@ static wisp_vec3 middle_of( const wisp_mesh* mesh, const scene_world_pins* pins 
 }
 
 // Vertices with a mark, in ascending order.
-static int32_t* list_marked( const unsigned char* marks, unsigned char mark, int vertex_count, int* count )
+static int32_t* list_marked( const unsigned char* marks, unsigned char mark, int vertex_count, io_memory* memory,
+                             int* count )
 {
     *count = 0;
     for ( int v = 0; v < vertex_count; ++v )
     {
         *count += ( marks[v] & mark ) != 0;
     }
-    int32_t* out = calloc( (size_t)*count + 1, sizeof *out );
+    int32_t* out = io_get( memory, (size_t)*count * sizeof *out );
     for ( int v = 0, i = 0; v < vertex_count && out; ++v )
     {
         if ( ( marks[v] & mark ) != 0 )
@@ -174,14 +175,14 @@ static int32_t* list_marked( const unsigned char* marks, unsigned char mark, int
 }
 
 static wisp_status list_group( const vertex_finder* f, const wisp_scene_pins* pins, const unsigned char* marks,
-                               scene_world_pins* out )
+                               io_memory* memory, scene_world_pins* out )
 {
     const bool has_path = pins->path.count > 0 && !f->entry->has_animation;
     const bool moves = pins->path.count > 0 || f->entry->has_animation;
-    out->vertices = list_marked( marks, IN_GROUP, f->mesh->vertex_count, &out->count );
-    out->starts = has_path ? calloc( (size_t)out->count + 1, sizeof *out->starts ) : NULL;
-    out->targets = moves ? calloc( (size_t)out->count + 1, sizeof *out->targets ) : NULL;
-    if ( !out->vertices || ( has_path && !out->starts ) || ( moves && !out->targets ) )
+    out->vertices = list_marked( marks, IN_GROUP, f->mesh->vertex_count, memory, &out->count );
+    out->starts = has_path ? io_get( memory, (size_t)out->count * sizeof *out->starts ) : NULL;
+    out->targets = moves ? io_get( memory, (size_t)out->count * sizeof *out->targets ) : NULL;
+    if ( memory->is_short )
     {
         return wisp_fail( f->error, WISP_NO_MEMORY, "out of memory for %d pins", out->count );
     }
@@ -216,34 +217,32 @@ static wisp_status take_group( const vertex_finder* f, const wisp_scene_pins* pi
     return WISP_OK;
 }
 
+static wisp_status find_groups( const vertex_finder* f, unsigned char* marks, scene_world_surface* out )
+{
+    for ( int g = 0; g <= f->entry->pin_group_count; ++g )
+    {
+        const wisp_scene_pins* pins = scene_pins_entry( f->entry, g );
+        WISP_TRY( mark_pins( f, pins, marks ) );
+        WISP_TRY( list_group( f, pins, marks, &out->memory, &out->groups[out->group_count++] ) );
+        WISP_TRY( take_group( f, pins, marks ) );
+    }
+    out->pins = list_marked( marks, HELD, out->mesh.vertex_count, &out->memory, &out->pin_count );
+    return out->pins ? WISP_OK : wisp_fail( f->error, WISP_NO_MEMORY, "out of memory for %d pins", out->pin_count );
+}
+
 wisp_status scene_pins_find( const wisp_scene* scene, int surface, const wisp_mesh_repairs* repairs,
                              scene_world_surface* out, wisp_error* error )
 {
     const wisp_scene_surface* entry = &scene->surfaces[surface];
     const vertex_finder finder = { scene, entry, &out->mesh, repairs, error };
-    unsigned char* marks = calloc( (size_t)out->mesh.vertex_count + 1, 1 );
-    out->groups = calloc( (size_t)entry->pin_group_count + 1, sizeof *out->groups );
-    if ( !marks || !out->groups )
-    {
-        free( marks );
-        return wisp_fail( error, WISP_NO_MEMORY, "out of memory for the pins of %d vertices",
-                          out->mesh.vertex_count );
-    }
-    wisp_status status = WISP_OK;
-    for ( int g = 0; g <= entry->pin_group_count && status == WISP_OK; ++g )
-    {
-        const wisp_scene_pins* pins = scene_pins_entry( entry, g );
-        status = mark_pins( &finder, pins, marks );
-        status = status == WISP_OK ? list_group( &finder, pins, marks, &out->groups[out->group_count++] ) : status;
-        status = status == WISP_OK ? take_group( &finder, pins, marks ) : status;
-    }
-    if ( status == WISP_OK )
-    {
-        out->pins = list_marked( marks, HELD, out->mesh.vertex_count, &out->pin_count );
-        status =
-            out->pins ? WISP_OK : wisp_fail( error, WISP_NO_MEMORY, "out of memory for %d pins", out->pin_count );
-    }
-    free( marks );
+    io_memory short_lived = { 0 };
+    unsigned char* marks = io_get( &short_lived, (size_t)out->mesh.vertex_count );
+    out->groups = io_get( &out->memory, ( (size_t)entry->pin_group_count + 1 ) * sizeof *out->groups );
+    wisp_status status =
+        marks && out->groups
+            ? find_groups( &finder, marks, out )
+            : wisp_fail( error, WISP_NO_MEMORY, "out of memory for the pins of %d vertices", out->mesh.vertex_count );
+    io_release( &short_lived );
     return status;
 }
 
@@ -263,18 +262,6 @@ int scene_pins_holding( const scene_world_surface* surface, int32_t vertex )
         }
     }
     return -1;
-}
-
-void scene_pins_release( scene_world_surface* surface )
-{
-    for ( int g = 0; g < surface->group_count; ++g )
-    {
-        free( surface->groups[g].vertices );
-        free( surface->groups[g].starts );
-        free( surface->groups[g].targets );
-    }
-    free( surface->groups );
-    free( surface->pins );
 }
 
 // ---- what a host saves ----
@@ -439,7 +426,7 @@ static wisp_status add_seam( scene_world* world, int seam, wisp_error* error )
 wisp_status scene_seams_add( scene_world* world, wisp_error* error )
 {
     const wisp_scene* scene = world->scene;
-    world->seams = calloc( (size_t)scene->seam_count + 1, sizeof *world->seams );
+    world->seams = io_get( &world->memory, (size_t)scene->seam_count * sizeof *world->seams );
     WISP_TRY( world->seams ? WISP_OK
                            : wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for its seams", scene->name ) );
     for ( int i = 0; i < scene->seam_count; ++i )

@@ -157,20 +157,11 @@ wisp_status scene_strands_dress( scene_world* out, int strands )
 {
     const wisp_scene_strands* entry = &out->scene->strands[strands];
     wisp_entity entity = out->entities[strands];
-    wisp_status status = WISP_OK;
-    if ( entry->has_frozen_hair )
-    {
-        status = wisp_set_frozen_hair( out->world, entity, &entry->frozen_hair );
-    }
-    if ( status == WISP_OK && entry->has_environment )
-    {
-        status = wisp_set_environment( out->world, entity, &entry->environment );
-    }
-    if ( status == WISP_OK && entry->has_appearance )
-    {
-        status = wisp_set_strand_appearance( out->world, entity, &entry->appearance );
-    }
-    return status == WISP_OK ? request_all( out, strands ) : status;
+    WISP_TRY( entry->has_frozen_hair ? wisp_set_frozen_hair( out->world, entity, &entry->frozen_hair ) : WISP_OK );
+    WISP_TRY( entry->has_environment ? wisp_set_environment( out->world, entity, &entry->environment ) : WISP_OK );
+    WISP_TRY( entry->has_appearance ? wisp_set_strand_appearance( out->world, entity, &entry->appearance )
+                                    : WISP_OK );
+    return request_all( out, strands );
 }
 
 // ---- motion ----
@@ -237,39 +228,24 @@ static wisp_status set_dynamics( scene_world* world, int strands )
 {
     const wisp_scene_strands* entry = &world->scene->strands[strands];
     wisp_entity entity = world->entities[strands];
-    wisp_status status = entry->mass_ratio != 1.0f
-                             ? set_weighed( world, strands )
-                             : wisp_set_strand_dynamics( world->world, entity, &entry->dynamics );
-    status = status == WISP_OK ? wisp_set_substeps( world->world, entity, entry->substeps ) : status;
-    if ( status == WISP_OK && entry->has_grid )
-    {
-        status = wisp_set_strand_grid( world->world, entity, &entry->grid );
-    }
-    if ( status == WISP_OK && entry->has_frame )
+    wisp_world* w = world->world;
+    WISP_TRY( entry->mass_ratio != 1.0f ? set_weighed( world, strands )
+                                        : wisp_set_strand_dynamics( w, entity, &entry->dynamics ) );
+    WISP_TRY( wisp_set_substeps( w, entity, entry->substeps ) );
+    WISP_TRY( entry->has_grid ? wisp_set_strand_grid( w, entity, &entry->grid ) : WISP_OK );
+    if ( entry->has_frame )
     {
         wisp_moving_frame_def frame = entry->frame;
         frame.pose.translation = scene_strand_frame_pivot( entry );
-        status = wisp_set_moving_frame( world->world, entity, &frame );
+        WISP_TRY( wisp_set_moving_frame( w, entity, &frame ) );
     }
-    if ( status == WISP_OK && entry->max_speed < INFINITY )
-    {
-        status = wisp_set_max_speed( world->world, entity, entry->max_speed );
-    }
-    status = status == WISP_OK && entry->has_tips ? scene_hold_tips( world, strands, entry->tips_hold ) : status;
-    status = status == WISP_OK ? set_collision( world, strands ) : status;
-    if ( status == WISP_OK && entry->has_contact )
-    {
-        status = wisp_set_contact( world->world, entity, &entry->contact );
-    }
-    if ( status == WISP_OK && entry->has_sleep )
-    {
-        status = wisp_set_sleep( world->world, entity, &entry->sleep );
-    }
-    if ( status == WISP_OK && entry->on_surface >= 0 )
-    {
-        status = wisp_root_strands( world->world, entity, world->surfaces[entry->on_surface].entity );
-    }
-    return status;
+    WISP_TRY( entry->max_speed < INFINITY ? wisp_set_max_speed( w, entity, entry->max_speed ) : WISP_OK );
+    WISP_TRY( entry->has_tips ? scene_hold_tips( world, strands, entry->tips_hold ) : WISP_OK );
+    WISP_TRY( set_collision( world, strands ) );
+    WISP_TRY( entry->has_contact ? wisp_set_contact( w, entity, &entry->contact ) : WISP_OK );
+    WISP_TRY( entry->has_sleep ? wisp_set_sleep( w, entity, &entry->sleep ) : WISP_OK );
+    return entry->on_surface >= 0 ? wisp_root_strands( w, entity, world->surfaces[entry->on_surface].entity )
+                                  : WISP_OK;
 }
 
 // Frozen hair on ghosts starts from their moved positions, which are kept separate from its output.
@@ -279,13 +255,12 @@ static wisp_status set_ghosts( scene_world* world, int strands )
     wisp_ghosts_def def = entry->ghosts;
     def.targets = world->entities[entry->targets];
     def.between = world->scene->frames_per_step > 1;
-    wisp_status status = WISP_OK;
     if ( entry->has_frozen_hair )
     {
-        status = wisp_request( world->world, world->entities[strands], WISP_STRAND_POSED );
+        WISP_TRY( wisp_request( world->world, world->entities[strands], WISP_STRAND_POSED ) );
     }
-    status = status == WISP_OK ? wisp_set_ghosts( world->world, world->entities[strands], &def ) : status;
-    return status == WISP_OK ? set_collision( world, strands ) : status;
+    WISP_TRY( wisp_set_ghosts( world->world, world->entities[strands], &def ) );
+    return set_collision( world, strands );
 }
 
 static wisp_status add_curves( scene_world* world, int strands, wisp_error* error )

@@ -226,6 +226,15 @@ static wisp_status without_spares( vertices_fn* run, const wisp_scene* scene, in
     return status;
 }
 
+// Places before the first step.
+static wisp_status start_surface( const wisp_scene* scene, int surface, const wisp_mesh_repairs* repairs,
+                                  scene_world_surface* s, wisp_error* error )
+{
+    WISP_TRY( without_spares( scene_start_load, scene, surface, repairs, s, error ) );
+    scene_start_place( &scene->surfaces[surface], s );
+    return scene_animation_load( scene, surface, s, error );
+}
+
 static wisp_status make_source( scene_world* world, int surface, wisp_error* error )
 {
     const wisp_scene* scene = world->scene;
@@ -240,14 +249,8 @@ static wisp_status make_source( scene_world* world, int surface, wisp_error* err
         status = without_spares( scene_pins_find, scene, surface, &s->repairs, s, error );
     }
     status = status == WISP_OK ? cook( world, surface, rest, error ) : status;
-    status = status == WISP_OK ? without_spares( scene_start_load, scene, surface, &s->repairs, s, error ) : status;
-    if ( status == WISP_OK )
-    {
-        scene_start_place( &scene->surfaces[surface], s );
-        status = scene_animation_load( scene, surface, s, error );
-    }
     free( rest );
-    return status;
+    return status == WISP_OK ? start_surface( scene, surface, &s->repairs, s, error ) : status;
 }
 
 static wisp_status make_instance( scene_world* world, int surface, wisp_error* error )
@@ -270,15 +273,9 @@ static wisp_status make_instance( scene_world* world, int surface, wisp_error* e
     place_points( s->mesh.points, s->mesh.vertex_count, entry->pose );
     wisp_fabric_retain( source->fabric );
     s->fabric = source->fabric;
-    wisp_status status = without_spares( scene_pins_find, world->scene, surface, &source->repairs, s, error );
-    status = status == WISP_OK ? without_spares( scene_start_load, world->scene, surface, &source->repairs, s, error )
-                               : status;
-    if ( status == WISP_OK )
-    {
-        scene_start_place( entry, s );
-        status = scene_animation_load( world->scene, surface, s, error );
-    }
-    return status == WISP_OK ? scene_tearing_prepare( world, surface, error ) : status;
+    WISP_TRY( without_spares( scene_pins_find, world->scene, surface, &source->repairs, s, error ) );
+    WISP_TRY( start_surface( world->scene, surface, &source->repairs, s, error ) );
+    return scene_tearing_prepare( world, surface, error );
 }
 
 // ---- effects ----
@@ -296,22 +293,13 @@ static wisp_status add_particles( scene_world* world, int surface, wisp_error* e
     def.pin_count = s->pin_count;
     def.spare_count = s->spare_count;
     def.gravity = entry->gravity;
-    wisp_status status = wisp_add_surface( world->world, &def, &s->entity );
-    if ( status == WISP_OK && scene_maps_set( world, surface, true, error ) != WISP_OK )
-    {
-        return error->status;
-    }
-    if ( status == WISP_OK )
-    {
-        scene_surface_weigh( entry, s, world->world );
-    }
-    status = status == WISP_OK ? wisp_set_damping( world->world, s->entity, entry->damping ) : status;
-    status = status == WISP_OK
-                 ? wisp_set_strain_limit( world->world, s->entity, entry->strain_limit[0], entry->strain_limit[1] )
-                 : status;
-    status = status == WISP_OK ? wisp_set_substeps( world->world, s->entity, entry->substeps ) : status;
-    return status == WISP_OK ? wisp_set_velocity( world->world, s->entity, entry->velocity, entry->angular_velocity )
-                             : status;
+    WISP_TRY( wisp_add_surface( world->world, &def, &s->entity ) );
+    WISP_TRY( scene_maps_set( world, surface, true, error ) );
+    scene_surface_weigh( entry, s, world->world );
+    WISP_TRY( wisp_set_damping( world->world, s->entity, entry->damping ) );
+    WISP_TRY( wisp_set_strain_limit( world->world, s->entity, entry->strain_limit[0], entry->strain_limit[1] ) );
+    WISP_TRY( wisp_set_substeps( world->world, s->entity, entry->substeps ) );
+    return wisp_set_velocity( world->world, s->entity, entry->velocity, entry->angular_velocity );
 }
 
 // Quad links replace the mesh's own; the surface copies them.
@@ -344,37 +332,16 @@ static wisp_status dress( scene_world* world, int surface, const wisp_balloon_de
 {
     const wisp_scene_surface* entry = &world->scene->surfaces[surface];
     wisp_entity entity = world->surfaces[surface].entity;
-    wisp_status status = WISP_OK;
-    if ( entry->has_membrane )
-    {
-        status = wisp_set_membrane( world->world, entity, &entry->membrane );
-    }
-    if ( status == WISP_OK && entry->has_cloth )
-    {
-        status = wisp_set_cloth( world->world, entity, &entry->cloth );
-    }
-    if ( status == WISP_OK && entry->has_balloon )
-    {
-        status = wisp_set_balloon( world->world, entity, balloon );
-    }
-    if ( status == WISP_OK && entry->has_implicit )
-    {
-        status = scene_implicit_set( world, surface );
-    }
-    if ( status == WISP_OK && entry->has_collision )
-    {
-        status = wisp_set_collision( world->world, entity, &entry->collision );
-    }
-    if ( status == WISP_OK && entry->has_contact )
-    {
-        status = wisp_set_contact( world->world, entity, &entry->contact );
-    }
-    status = status == WISP_OK ? scene_held_set( world, surface ) : status;
-    if ( status == WISP_OK && entry->has_boundary )
-    {
-        status = wisp_set_boundary( world->world, entity, &entry->boundary );
-    }
-    return status == WISP_OK ? scene_tearing_set( world, surface, NULL ) : status;
+    wisp_world* w = world->world;
+    WISP_TRY( entry->has_membrane ? wisp_set_membrane( w, entity, &entry->membrane ) : WISP_OK );
+    WISP_TRY( entry->has_cloth ? wisp_set_cloth( w, entity, &entry->cloth ) : WISP_OK );
+    WISP_TRY( entry->has_balloon ? wisp_set_balloon( w, entity, balloon ) : WISP_OK );
+    WISP_TRY( entry->has_implicit ? scene_implicit_set( world, surface ) : WISP_OK );
+    WISP_TRY( entry->has_collision ? wisp_set_collision( w, entity, &entry->collision ) : WISP_OK );
+    WISP_TRY( entry->has_contact ? wisp_set_contact( w, entity, &entry->contact ) : WISP_OK );
+    WISP_TRY( scene_held_set( world, surface ) );
+    WISP_TRY( entry->has_boundary ? wisp_set_boundary( w, entity, &entry->boundary ) : WISP_OK );
+    return scene_tearing_set( world, surface, NULL );
 }
 
 static wisp_status request( scene_world* world, int surface )
@@ -493,7 +460,7 @@ static wisp_status connect( scene_world* world, int surface, wisp_error* error )
 wisp_status scene_surfaces_add( scene_world* world, wisp_error* error )
 {
     const wisp_scene* scene = world->scene;
-    world->surfaces = calloc( (size_t)scene->surface_count + 1, sizeof *world->surfaces );
+    world->surfaces = io_get( &world->memory, (size_t)scene->surface_count * sizeof *world->surfaces );
     if ( !world->surfaces )
     {
         return wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for its surfaces", scene->name );
@@ -521,11 +488,13 @@ void scene_surfaces_release( scene_world* world )
         wisp_mesh_release( &s->mesh );
         wisp_mesh_repairs_release( &s->repairs );
         wisp_fabric_release( s->fabric );
-        scene_pins_release( s );
-        free( s->motion_targets );
         scene_animation_release( s->animation );
+        io_release( &s->memory );
     }
-    free( world->surfaces );
+    for ( int i = 0; world->colliders && i < world->scene->collider_count; ++i )
+    {
+        wisp_mesh_release( &world->colliders[i].mesh );
+    }
 }
 
 // ---- colliders ----
@@ -751,7 +720,7 @@ static wisp_status add_collider( scene_world* world, int collider, wisp_error* e
 wisp_status scene_colliders_add( scene_world* world, wisp_error* error )
 {
     const wisp_scene* scene = world->scene;
-    world->colliders = calloc( (size_t)scene->collider_count + 1, sizeof *world->colliders );
+    world->colliders = io_get( &world->memory, (size_t)scene->collider_count * sizeof *world->colliders );
     if ( !world->colliders )
     {
         return wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for its colliders", scene->name );
@@ -761,13 +730,4 @@ wisp_status scene_colliders_add( scene_world* world, wisp_error* error )
         WISP_TRY( add_collider( world, i, error ) );
     }
     return WISP_OK;
-}
-
-void scene_colliders_release( scene_world* world )
-{
-    for ( int i = 0; world->colliders && i < world->scene->collider_count; ++i )
-    {
-        wisp_mesh_release( &world->colliders[i].mesh );
-    }
-    free( world->colliders );
 }

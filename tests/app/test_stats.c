@@ -319,8 +319,8 @@ TEST( late_means_are_those_of_a_sheet_that_is_larger_and_hangs_lower )
                 *p = ( wisp_vec3 ){ 1.02f * p->x, 1.02f * p->y - lower[f], 1.02f * p->z };
             }
         }
-        motions[m] =
-            ( suite_motion ){ &body, 1, first, points[m][0], points[m][0], times, energies[m], FRAMES, FRAMES };
+        motions[m] = ( suite_motion ){ &body, 1,           first,  points[m][0],   points[m][0],
+                                       times, energies[m], FRAMES, { NULL, false } };
     }
     suite_reference reference = { .motion = motions[0], .frame_count = 1, .gravity = { 0.0f, -9.81f, 0.0f } };
     suite_comparison c;
