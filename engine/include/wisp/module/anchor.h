@@ -9,8 +9,8 @@
 ///     const wisp_vec3 foot = wisp_triangle_point( &t, anchor.weights );
 #pragma once
 
-#include "wisp/fabric.h"
 #include "wisp/module/collision_mesh.h"
+#include "wisp/module/module.h"
 #include "wisp/module/vec.h"
 
 WISP_BEGIN_C
