@@ -226,6 +226,13 @@ static wisp_status check_fits( const suite_references* references, wisp_error* e
 static wisp_status measure_all( const wisp_suite* suite, const gate_options* o, suite_measurement* out, int* done,
                                 wisp_error* error )
 {
+    *done = 0;
+    if ( o->no_instructions == false && strstr( machine_kernels(), "avx2" ) == NULL )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT,
+                          "gate: this build leaves out the kernels for AVX2, with which instructions are counted: "
+                          "-Dkernels=all has them, --no-instructions gates without" );
+    }
     char steps[32];
     snprintf( steps, sizeof steps, "--steps=%d", o->steps );
     const suite_count_options counts = { .has_cycles = o->has_cycles, .step = o->steps > 0 ? steps : NULL };
@@ -234,7 +241,6 @@ static wisp_status measure_all( const wisp_suite* suite, const gate_options* o, 
     progress_show( &bar, 0.0, "the reference" );
     wisp_status status = suite_references_find( suite, &references, error );
     status = status == WISP_OK ? check_fits( &references, error ) : status;
-    *done = 0;
     for ( int i = 0; i < suite->row_count && status == WISP_OK; ++i )
     {
         progress_show( &bar, (double)i / suite->row_count, suite->rows[i].name );

@@ -436,3 +436,10 @@ $ wisp sweep "$SOURCE/data/suites/effect_costs.yaml" -o none --list | grep -o '^
 21
 13
 6
+
+# The costs of a suite are told over its first row, as `wisp bench effects` has them.
+$ printf 'wisp: 1\nsteps: 6\nsurfaces: [{ name: cloth, generate: { shape: plane, columns: 9, rows: 9, spacing: 0.05 }, pins: [0], cloth: {} }]\n' >costs.yaml
+> printf 'wisp_suite: 1\nscenes: [{ file: costs.yaml, name: one }, { file: costs.yaml, name: many, set: { substeps: 40 } }]\n' >over.yaml
+> wisp bench over.yaml --seconds 0.5 --workers 1 | awk 'NF == 7 && $1 == "one" { one = $4; print $6 } NF == 7 && $1 == "many" { q = $4 / one / $6; print ( q > 0.98 && q < 1.02 ) }'
+1.00
+1
