@@ -4,6 +4,8 @@
 #include "io_file.h"
 #include "suite.h"
 
+#include "wisp/module/definition.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
