@@ -310,7 +310,7 @@ $ cat >crowd.yaml <<'END'
 > assert subprocess.run( [os.environ["WISP"], "gate", "record", "many.yaml", "-o", "many.json"], capture_output=True ).returncode == 0
 > steps = [row["values"]["instructions"] for row in json.load( open( "many.json" ) )["rows"]]
 > counted = ["valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null"] + ["--toggle-collect=" + f for f in ( "wisp_set_collision", "wisp_add_collider" )]
-> adding = [subprocess.run( [*counted, os.environ["WISP"], "gate", "step", "many.yaml", f"--row={i}"], capture_output=True, text=True ).stderr for i in range( 3 )]
+> adding = [subprocess.run( [*counted, os.environ["WISP"], "gate", "step", "many.yaml", f"--row={i}"], env={ "PATH": os.environ["PATH"] }, capture_output=True, text=True ).stderr for i in range( 3 )]
 > for bound, ( one, two, four ) in ( 2.2, steps ), ( 2.5, [int( re.search( r"Collected : (\d+)", told )[1] ) for told in adding] ): # tables grow by a quarter
 >     assert ( four - two ) / ( two - one ) < bound, ( one, two, four )
 > END
